@@ -1,0 +1,46 @@
+#pragma once
+// The projection onto a point set's MLS surface: `levin`, the definition of Alexa et al. 2003.
+
+#include <cstdint>
+
+#include "core/neighbours.h"
+#include "core/status.h"
+
+namespace pss {
+
+/// How wide a query looks: the Gaussian's width and the distance at which its weight is zero.
+struct Support {
+  double h = 0;
+  double radius = 0;
+};
+
+/// How far from the query a projection may look: the foot point stays within h/2 of it.
+constexpr double reach(const Support& support) { return support.radius + support.h / 2; }
+
+/// The default radius for a width: 3 h, and 4 h for degree 4.
+constexpr double radius_factor(int degree) { return degree == 4 ? 4.0 : 3.0; }
+
+/// What the projection of one point gives.
+struct Projection {
+  Status status = Status::kTooFew;
+  std::uint32_t neighbours = 0;  ///< points with |p - q| < radius about the foot point q
+  World3 displacement{0, 0, 0};  ///< P(r) - r; zero where the point stays
+  World3 normal{0, 0, 0};        ///< unit, largest component positive; zero where there is none
+  double mean_curvature = 0;     ///< positive where the surface bends towards the normal
+  double gaussian_curvature = 0;
+  double residual = 0;  ///< weighted rms distance of the neighbours to the fitted polynomial
+  double boundary = 0;  ///< |weighted mean - q| / weighted rms distance: 0 inside, 0.56 on an edge
+};
+
+/// Projects the point at offset zero onto the MLS surface of `neighbours`.
+///
+/// Shape:    `neighbours` are the offsets of all points within reach(support), in key order.
+/// Units:    the scan's; curvature 1/length.
+/// Requires: 0 <= degree <= 4, 0 < h <= radius.
+/// Errors:   none; a status. Never NaN.
+/// Cost:     four to six passes over the neighbours; allocates nothing after the first calls.
+/// Source:   Alexa, Behr, Cohen-Or, Fleishman, Levin, Silva, "Computing and Rendering Point Set
+///           Surfaces", TVCG 9(1), 2003; conditions as in Amenta, Kil, 2004.
+Projection project_levin(const Offsets& neighbours, const Support& support, int degree);
+
+}  // namespace pss

@@ -1,0 +1,94 @@
+#pragma once
+// The only door to the disk: files by positioned reads and writes, every failure with its path.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace pss {
+
+/// An open file. Moved, never copied; closed at the end of its life.
+class File {
+ public:
+  static Result<File> open(const std::string& path);            ///< to read
+  static Result<File> create(const std::string& path);          ///< to read and write, emptied
+  static Result<File> open_or_create(const std::string& path);  ///< to read and write, as it is
+
+  File(File&& other) noexcept;
+  File& operator=(File&& other) noexcept;
+  ~File();
+
+  const std::string& path() const { return path_; }
+
+  Result<std::uint64_t> size() const;
+
+  /// Fills `out` from `offset`; the number of bytes is smaller only at the end of the file.
+  Result<std::size_t> read_some(std::uint64_t offset, std::span<std::byte> out) const;
+
+  /// Fills `out` whole. Errors: kBadInput with offset, found and expected where the file is short.
+  Result<void> read(std::uint64_t offset, std::span<std::byte> out) const;
+
+  Result<void> write(std::uint64_t offset, std::span<const std::byte> bytes);
+  Result<void> truncate(std::uint64_t size);
+  /// fdatasync. A failure is final: what was written may be lost, and is never tried again.
+  Result<void> sync();
+
+ private:
+  File(int descriptor, std::string path);
+  int descriptor_ = -1;
+  std::string path_;
+};
+
+/// Renames and makes the new name durable.
+Result<void> rename_file(const std::string& from, const std::string& to);
+/// Makes the names in a directory durable.
+Result<void> sync_directory(const std::string& path);
+Result<void> make_directories(const std::string& path);
+/// Removes a file or a whole directory; a missing one is no error.
+Result<void> remove_all(const std::string& path);
+bool exists(const std::string& path);
+Result<std::uint64_t> free_space(const std::string& path);
+
+/// The directory part of a path, "." where there is none.
+std::string directory_of(const std::string& path);
+
+/// Reads a whole small file; one larger than `limit` is an error.
+Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t limit);
+/// Writes a whole small file: a new one beside it, synced, then renamed over it.
+Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes);
+
+/// Writes a file front to back through a buffer, under NAME.part until finish() renames it.
+///
+/// Unless finished, NAME.part is removed when this goes.
+class OutputFile {
+ public:
+  static Result<OutputFile> create(const std::string& path, bool overwrite);
+  OutputFile(OutputFile&&) noexcept = default;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  const std::string& path() const { return path_; }
+  std::uint64_t position() const { return position_; }
+
+  Result<void> append(std::span<const std::byte> bytes);
+  Result<void> append(std::string_view text);
+  /// Overwrites bytes already appended.
+  Result<void> patch(std::uint64_t offset, std::span<const std::byte> bytes);
+  Result<void> finish();
+
+ private:
+  OutputFile(File file, std::string path, bool overwrite);
+  Result<void> flush();
+  std::string path_;
+  bool overwrite_ = false;
+  File file_;
+  std::vector<std::byte> buffer_;
+  std::uint64_t position_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace pss

@@ -1,0 +1,33 @@
+#pragma once
+// Reads the points of one file in order, in bounded memory, whatever the format.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+#include "io/points.h"
+
+namespace pss {
+
+class Reader {
+ public:
+  virtual ~Reader() = default;
+
+  virtual const CloudHeader& header() const = 0;
+
+  /// Replaces `batch` by at most `max` following points; an empty batch means the end.
+  ///
+  /// Errors: kBadInput where the file is damaged or ends before the points it promised.
+  virtual Result<void> read(std::size_t max, PointBatch& batch) = 0;
+
+  /// The next read starts at this record (0 is the first).
+  virtual Result<void> seek(std::uint64_t record) = 0;
+};
+
+/// Opens a file by its content, not its name.
+///
+/// Errors: kFailed where it cannot be opened, kBadInput where it is of no supported format.
+Result<std::unique_ptr<Reader>> open_reader(const std::string& path);
+
+}  // namespace pss

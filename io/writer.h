@@ -1,0 +1,51 @@
+#pragma once
+// Writes points to one file in bounded memory; the file has its name only once it is complete.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "io/points.h"
+
+namespace pss {
+
+/// What a writer must know before the first point.
+struct WriteOptions {
+  Format format = Format::kLas;
+  Schema schema;                ///< of the rows that write() gets
+  std::optional<Lattice> grid;  ///< of the positions that write() gets, where they are integers
+  std::uint64_t count = 0;  ///< points to come; more is an error, fewer is corrected in the header
+  std::optional<Carry> carry;           ///< header to carry on, used where its format is this one
+  std::optional<WorldBox> bounds;       ///< of the points to come; to choose scale and offset by
+  std::optional<World3> scale, offset;  ///< LAS: instead of the carried or chosen ones
+  bool overwrite = false;               ///< whether a file of this name may be replaced at the end
+};
+
+class Writer {
+ public:
+  virtual ~Writer() = default;
+
+  /// The grid that positions are rounded to, where the format has one; write() takes any position.
+  virtual std::optional<Lattice> grid() const = 0;
+
+  /// Notes for the report: dropped dimensions, a version change, dropped VLRs.
+  virtual const std::vector<std::string>& notes() const = 0;
+
+  /// Appends points in order. Positions with a grid equal to grid() are written as they are.
+  ///
+  /// Errors: kBadInput where a position cannot be held by the format; kFailed for I/O.
+  virtual Result<void> write(const PointBatch& batch) = 0;
+
+  /// Completes the header, syncs, and renames NAME.part to NAME. Without it NAME.part is removed.
+  virtual Result<void> finish() = 0;
+};
+
+/// The format that a name's extension asks for: las, ply, xyz, txt, csv, asc, pts.
+Result<Format> format_for(const std::string& path);
+
+Result<std::unique_ptr<Writer>> create_writer(const std::string& path, const WriteOptions& options);
+
+}  // namespace pss

@@ -1,0 +1,60 @@
+#pragma once
+// Input files to a store: read once, sort into runs, merge into tiles. Bounded, exact, resumable.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/monitor.h"
+#include "core/result.h"
+#include "io/reader.h"
+#include "stream/memory.h"
+#include "stream/store.h"
+
+namespace pss {
+
+struct IngestOptions {
+  std::uint32_t tile_points = kTilePoints;
+  std::optional<World3> scale;  ///< lattice step by hand
+  bool source_column = false;   ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
+};
+
+/// What of the inputs decides the store: computed before any point is sorted.
+struct IngestPlan {
+  StoreHeader header;
+  std::vector<std::string> inputs;
+  std::vector<std::uint64_t> counts;  ///< points a file, as promised (0: unknown)
+  std::uint64_t points = 0;           ///< their sum
+  std::uint64_t disk_bytes = 0;       ///< what runs and store need at most, estimated
+  std::vector<std::string> notes;     ///< files whose points move onto the common lattice, ...
+};
+
+/// Reads the headers, and where a format has no bounds or grid, all positions once.
+///
+/// Errors: kBadInput for CRS mismatch, no common lattice, unsupported or damaged files.
+Result<IngestPlan> plan_ingest(const std::vector<std::string>& inputs, const IngestOptions& options,
+                               Monitor& monitor);
+
+/// What became of the points read.
+struct IngestSummary {
+  std::uint64_t points_read = 0;
+  std::uint64_t points_stored = 0;
+  std::uint64_t dropped_not_finite = 0;
+  std::uint64_t moved_to_lattice = 0;  ///< points whose position was rounded
+  double largest_move = 0;
+  double read_seconds = 0;  ///< reading, sorting, writing runs
+  double merge_seconds = 0;
+};
+
+std::string to_json(const IngestSummary& summary);
+Result<IngestSummary> ingest_summary_from_json(const std::string& text);
+
+/// Makes the store `store_path` of the plan, keeping runs in `work_dir`/runs.
+///
+/// Interrupted at any moment and called again with an equal plan, it goes on from the last finished
+/// run or merged tile and ends with the same bytes. A complete store returns at once.
+Result<IngestSummary> ingest(const IngestPlan& plan, const std::string& store_path,
+                             const std::string& work_dir, const IngestOptions& options,
+                             MemoryBudget& budget, Monitor& monitor);
+
+}  // namespace pss
