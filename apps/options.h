@@ -1,0 +1,49 @@
+#pragma once
+// What the values of options mean, and the options that several subcommands share.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "apps/arguments.h"
+#include "core/lattice.h"
+#include "core/result.h"
+
+namespace pss {
+
+/// The text itself.
+Result<std::string> parse_text(std::string_view text);
+/// A finite number: "0.5", "1e-3".
+Result<double> parse_number(std::string_view text);
+/// A number above zero.
+Result<double> parse_positive(std::string_view text);
+/// A whole number that is not negative: "4".
+Result<int> parse_integer(std::string_view text);
+/// How many: "1000", "10k", "2M", "1e9"; k, M, G, T are powers of 1000.
+Result<std::uint64_t> parse_count(std::string_view text);
+/// Bytes: "512M", "4G", "1.5G", "50%"; K, M, G, T are powers of 1024, % of the machine's memory.
+Result<std::uint64_t> parse_size(std::string_view text);
+/// Three numbers: "X,Y,Z".
+Result<World3> parse_triple(std::string_view text);
+
+/// How much memory and how many threads a command may use.
+struct LimitOptions {
+  std::uint64_t memory_limit = 0;  ///< bytes; 0: default_limit()
+  int threads = 0;                 ///< 0: all
+
+  void declare(Arguments& arguments);
+  /// The limit in bytes. Errors: kMemoryLimit below what the program itself needs.
+  Result<std::uint64_t> limit() const;
+};
+
+/// Where words about the work go.
+struct ReportOptions {
+  std::string progress = "auto";
+  std::string report;  ///< path of a JSON report; empty: none
+
+  void declare(Arguments& arguments);
+  /// Writes `json` to the report's path, if there is one.
+  Result<void> write(const std::string& json) const;
+};
+
+}  // namespace pss
