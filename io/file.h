@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/result.h"
@@ -14,7 +15,8 @@ namespace pss {
 /// An open file. Moved, never copied; closed at the end of its life.
 class File {
  public:
-  static Result<File> open(const std::string& path);            ///< to read
+  /// To read. What is no regular file (a directory, a pipe) is refused.
+  static Result<File> open(const std::string& path);
   static Result<File> create(const std::string& path);          ///< to read and write, emptied
   static Result<File> open_or_create(const std::string& path);  ///< to read and write, as it is
 
@@ -41,6 +43,7 @@ class File {
   File(int descriptor, std::string path);
   int descriptor_ = -1;
   std::string path_;
+  bool lost_ = false;  ///< a sync failed
 };
 
 /// Renames and makes the new name durable.
@@ -61,13 +64,14 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
 /// Writes a whole small file: a new one beside it, synced, then renamed over it.
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes);
 
-/// Writes a file front to back through a buffer, under NAME.part until finish() renames it.
+/// Writes a file front to back through a buffer of 1 MiB, as NAME.part until finish() renames it.
 ///
 /// Unless finished, NAME.part is removed when this goes.
+/// Errors: kFailed where NAME exists and `overwrite` is false, by create() and again by finish().
 class OutputFile {
  public:
   static Result<OutputFile> create(const std::string& path, bool overwrite);
-  OutputFile(OutputFile&&) noexcept = default;
+  OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
 

@@ -1,0 +1,105 @@
+// OutputFile of io/file.h: what makes a file appear under its name only when it is complete.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <stdio.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "io/file.h"
+
+namespace pss {
+namespace {
+
+constexpr std::size_t kBufferSize = std::size_t{1} << 20;
+
+std::string part_of(const std::string& path) { return path + ".part"; }
+
+Error exists_already(const std::string& path) {
+  return {Fault::kFailed, fmt::format("{}: exists; use --overwrite to replace it", path)};
+}
+
+bool is_directory(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+/// Gives a file its name, but never takes that name from another file that came meanwhile.
+Result<void> rename_to_free_name(const std::string& from, const std::string& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0)
+    return sync_directory(directory_of(to));
+  if (errno == EEXIST) return exists_already(to);
+  // Not every file system knows the flag.
+  if (exists(to)) return exists_already(to);
+  return rename_file(from, to);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(File file, std::string path, bool overwrite)
+    : path_(std::move(path)), overwrite_(overwrite), file_(std::move(file)) {
+  buffer_.reserve(kBufferSize);
+}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      overwrite_(other.overwrite_),
+      file_(std::move(other.file_)),
+      buffer_(std::move(other.buffer_)),
+      position_(other.position_),
+      finished_(std::exchange(other.finished_, true)) {}
+
+OutputFile::~OutputFile() {
+  if (!finished_) ::unlink(file_.path().c_str());
+}
+
+Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
+  if (is_directory(path))
+    return Error{Fault::kFailed, fmt::format("{}: is a directory; name a file in it", path)};
+  if (!overwrite && exists(path)) return exists_already(path);
+  PSS_ASSIGN(File file, File::create(part_of(path)));
+  return OutputFile(std::move(file), path, overwrite);
+}
+
+Result<void> OutputFile::append(std::span<const std::byte> bytes) {
+  if (buffer_.size() + bytes.size() > kBufferSize) PSS_TRY(flush());
+  if (bytes.size() > kBufferSize) {
+    PSS_TRY(file_.write(position_, bytes));
+  } else {
+    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  }
+  position_ += bytes.size();
+  return {};
+}
+
+Result<void> OutputFile::append(std::string_view text) {
+  return append(std::as_bytes(std::span(text)));
+}
+
+Result<void> OutputFile::patch(std::uint64_t offset, std::span<const std::byte> bytes) {
+  assert(offset + bytes.size() <= position_);
+  PSS_TRY(flush());
+  return file_.write(offset, bytes);
+}
+
+Result<void> OutputFile::flush() {
+  PSS_TRY(file_.write(position_ - buffer_.size(), buffer_));
+  buffer_.clear();
+  return {};
+}
+
+Result<void> OutputFile::finish() {
+  PSS_TRY(flush());
+  PSS_TRY(file_.sync());
+  PSS_TRY(overwrite_ ? rename_file(file_.path(), path_) : rename_to_free_name(file_.path(), path_));
+  finished_ = true;
+  return {};
+}
+
+}  // namespace pss
