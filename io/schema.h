@@ -99,18 +99,23 @@ void write_value(const Dimension& dimension, std::byte* row, double value, std::
 
 /// A schema that holds every dimension of both: the fields of `a`, then what only `b` has.
 ///
-/// A dimension that both have keeps the wider of the two types.
+/// A dimension that both have gets a type, width and scale that hold the values of both; a bit
+/// field that needs more bits than its container has for it becomes a field of its own.
 Schema unite(const Schema& a, const Schema& b);
 
 /// Rewrites rows of one schema as rows of another, matching dimensions by name.
 ///
 /// What the target lacks is dropped, what the source lacks is zero; integers of 64 bits stay exact.
+/// A target with another scale or type gets the nearest value that it can hold (integers: NaN is
+/// 0).
 class RowMapper {
  public:
   RowMapper(const Schema& from, const Schema& to);
 
   /// Names of source dimensions that the target cannot hold at all.
   const std::vector<std::string>& dropped() const { return dropped_; }
+  /// Names of dimensions that are rounded, or clamped to a narrower range, on their way.
+  const std::vector<std::string>& narrowed() const { return narrowed_; }
   bool identity() const { return identity_; }
 
   /// Shape: `from` has n rows of the source schema, `to` n rows of the target.
@@ -123,12 +128,16 @@ class RowMapper {
   struct Convert {
     Dimension from, to;
   };
+  void add_copy(const Copy& copy);
+  void add_convert(const Schema& from, const Schema& to, const std::string& name);
+
   std::size_t from_size_ = 0;
   std::size_t to_size_ = 0;
   bool identity_ = false;
   std::vector<Copy> copies_;
   std::vector<Convert> converts_;
   std::vector<std::string> dropped_;
+  std::vector<std::string> narrowed_;
 };
 
 }  // namespace pss
