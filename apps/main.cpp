@@ -1,0 +1,110 @@
+// The pss program: reads the command line, runs one subcommand, turns what became of it into an
+// exit code.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
+#include <optional>
+#include <span>
+
+#include "apps/command.h"
+#include "stream/memory.h"
+
+namespace pss {
+namespace {
+
+struct Entry {
+  const char* name;
+  const char* alias;
+  const char* summary;
+  std::unique_ptr<Command> (*make)();
+};
+
+constexpr Entry kCommands[] = {
+    {"convert", "", "Rewrite files in another format, every attribute and the order kept",
+     make_convert},
+    {"info", "", "Tell what is in a file, a store or a work directory", make_info},
+};
+
+constexpr const char* kDescription =
+    "pss: moving least squares for point scans larger than memory.";
+constexpr const char* kEpilogue =
+    "pss COMMAND --help explains each command, with examples.\n"
+    "Words go to stderr, data to stdout. Exit codes: 0 done, 1 failed (I/O, disk full, refused to\n"
+    "overwrite), 2 usage, 3 bad input, 4 memory limit too small, 130 interrupted, resumable.";
+
+/// A declared subcommand and the class behind it.
+struct Declared {
+  CLI::App* app;
+  std::unique_ptr<Command> command;
+};
+
+std::vector<Declared> declare_all(CLI::App& app) {
+  std::vector<Declared> all;
+  for (const Entry& entry : kCommands) {
+    all.push_back({app.add_subcommand(entry.name, entry.summary), entry.make()});
+    if (*entry.alias) all.back().app->alias(entry.alias);
+    Arguments arguments(*all.back().app);
+    all.back().command->declare(arguments);
+  }
+  return all;
+}
+
+/// A word as a shell takes it.
+std::string quoted(const std::string& word) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+@%";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string out = "'";
+  for (char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+int fail(const Error& error, bool resumable, std::span<char*> words) {
+  fmt::print(stderr, "pss: {}\n", error.message);
+  if (error.fault == Fault::kInterrupted && resumable) {
+    fmt::print(stderr, "pss: this goes on where it stopped:\n   ");
+    for (const char* word : words) fmt::print(stderr, " {}", quoted(word));
+    fmt::print(stderr, "\n");
+  }
+  return static_cast<int>(error.fault);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app(kDescription, "pss");
+  app.get_formatter()->column_width(26);
+  app.set_version_flag("--version", "pss " PSS_VERSION);
+  app.footer(kEpilogue);
+  app.require_subcommand(1);
+  const std::vector<Declared> all = declare_all(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& stop) {
+    return app.exit(stop) == 0 ? 0 : static_cast<int>(Fault::kUsage);
+  }
+  for (const auto& [sub, command] : all) {
+    if (!sub->parsed()) continue;
+    const Result<void> result = command->run();
+    if (!result) return fail(result.error(), command->resumable(), std::span(argv, argc));
+    if (std::fflush(stdout) != 0)
+      return fail({Fault::kFailed, "cannot write to stdout"}, false, {});
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace pss
+
+int main(int argc, char** argv) {
+  pss::configure_allocator();
+  try {
+    return pss::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "pss: the system gave no more memory; use a smaller --memory-limit\n");
+  } catch (const std::exception& unexpected) {
+    fmt::print(stderr, "pss: unexpected: {}\n", unexpected.what());
+  }
+  return static_cast<int>(pss::Fault::kFailed);
+}

@@ -1,0 +1,147 @@
+#include "apps/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "core/parallel.h"
+#include "io/file.h"
+#include "stream/memory.h"
+
+namespace pss {
+
+namespace {
+
+Error usage(std::string_view text, const char* expected) {
+  return {Fault::kUsage, fmt::format("found '{}', expected {}", text, expected)};
+}
+
+/// The number at the front of `text`, which is cut off it.
+std::optional<double> take_number(std::string_view& text) {
+  double value = 0;
+  auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc() || !std::isfinite(value)) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
+  return value;
+}
+
+/// `base` to the power that a suffix stands for: k 1, M 2, G 3, T 4; none 0.
+std::optional<double> suffix_factor(std::string_view suffix, double base) {
+  if (suffix.empty()) return 1;
+  constexpr std::string_view kLetters = "kmgt";
+  const auto letter = static_cast<char>(std::tolower(static_cast<unsigned char>(suffix[0])));
+  const std::size_t power = kLetters.find(letter);
+  if (suffix.size() != 1 || power == std::string_view::npos) return std::nullopt;
+  return std::pow(base, static_cast<double>(power + 1));
+}
+
+std::optional<std::uint64_t> as_whole(double value) {
+  if (!(value >= 0 && value < 9e18)) return std::nullopt;
+  return static_cast<std::uint64_t>(value);
+}
+
+}  // namespace
+
+Result<std::string> parse_text(std::string_view text) { return std::string(text); }
+
+Result<double> parse_number(std::string_view text) {
+  std::string_view rest = text;
+  std::optional<double> value = take_number(rest);
+  if (!value || !rest.empty()) return usage(text, "a number such as 0.5 or 1e-3");
+  return *value;
+}
+
+Result<double> parse_positive(std::string_view text) {
+  PSS_ASSIGN(const double value, parse_number(text));
+  if (!(value > 0)) return usage(text, "a number above zero");
+  return value;
+}
+
+Result<int> parse_integer(std::string_view text) {
+  int value = 0;
+  auto [rest, fault] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (fault != std::errc() || rest != text.data() + text.size() || value < 0)
+    return usage(text, "a whole number such as 4");
+  return value;
+}
+
+Result<std::uint64_t> parse_count(std::string_view text) {
+  constexpr const char* kExpected = "a whole number such as 1000, 10k, 2M or 1e9";
+  std::uint64_t exact = 0;  // a double would round seeds and counts above 2^53
+  auto [end, fault] = std::from_chars(text.data(), text.data() + text.size(), exact);
+  if (fault == std::errc() && end == text.data() + text.size()) return exact;
+  std::string_view rest = text;
+  std::optional<double> number = take_number(rest);
+  std::optional<double> factor = suffix_factor(rest, 1000);
+  if (!number || !factor) return usage(text, kExpected);
+  const double value = *number * *factor;
+  std::optional<std::uint64_t> whole = as_whole(value);
+  if (!whole || static_cast<double>(*whole) != value) return usage(text, kExpected);
+  return *whole;
+}
+
+Result<std::uint64_t> parse_size(std::string_view text) {
+  constexpr const char* kExpected = "a size such as 512M, 4G or 50%";
+  std::string_view rest = text;
+  std::optional<double> number = take_number(rest);
+  if (!number) return usage(text, kExpected);
+  const bool share = rest == "%";
+  std::optional<double> factor =
+      share ? static_cast<double>(machine_memory()) / 100 : suffix_factor(rest, 1024);
+  if (!factor || (share && *number > 100)) return usage(text, kExpected);
+  std::optional<std::uint64_t> bytes = as_whole(*number * *factor);
+  if (!bytes || *bytes == 0) return usage(text, kExpected);
+  return *bytes;
+}
+
+Result<World3> parse_triple(std::string_view text) {
+  World3 values{};
+  std::string_view rest = text;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (axis > 0 && !rest.starts_with(',')) return usage(text, "three numbers X,Y,Z");
+    if (axis > 0) rest.remove_prefix(1);
+    std::optional<double> value = take_number(rest);
+    if (!value) return usage(text, "three numbers X,Y,Z");
+    values[axis] = *value;
+  }
+  if (!rest.empty()) return usage(text, "three numbers X,Y,Z");
+  return values;
+}
+
+void LimitOptions::declare(Arguments& arguments) {
+  arguments.option("--memory-limit", "SIZE",
+                   "Most memory that pss may use: 512M, 4G (2^20, 2^30 bytes), 50% "
+                   "[70% of what the machine or its cgroup has]",
+                   memory_limit, parse_size);
+  arguments.option("--threads", "N", "Threads to compute with; 0: all [0]", threads, parse_integer);
+}
+
+Result<std::uint64_t> LimitOptions::limit() const {
+  const std::uint64_t given = memory_limit ? memory_limit : default_limit();
+  const std::uint64_t least = minimum_limit(threads > 0 ? threads : thread_count());
+  if (given >= least) return given;
+  return Error{Fault::kMemoryLimit,
+               fmt::format("--memory-limit: found {} bytes, expected at least {} bytes ({} MiB) "
+                           "for the program and its threads",
+                           given, least, (least + (1u << 20) - 1) >> 20)};
+}
+
+void ReportOptions::declare(Arguments& arguments) {
+  arguments.choice("--progress", {"auto", "bar", "plain", "json", "none"},
+                   "How to tell that work advances, on stderr: a bar, plain lines, JSON lines; "
+                   "auto is a bar on a terminal, else plain lines [auto]",
+                   progress);
+  arguments.option("--report", "FILE", "Write a JSON report at the end; keys: docs/report.md",
+                   report, parse_text);
+}
+
+Result<void> ReportOptions::write(const std::string& json) const {
+  if (report.empty()) return {};
+  const std::string text = json + "\n";
+  return replace_file(report, std::as_bytes(std::span(text)));
+}
+
+}  // namespace pss
