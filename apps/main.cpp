@@ -23,8 +23,6 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
-    {"convert", "", "Rewrite files in another format, every attribute and the order kept",
-     make_convert},
     {"info", "", "Tell what is in a file, a store or a work directory", make_info},
 };
 

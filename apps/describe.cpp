@@ -1,0 +1,130 @@
+#include "apps/describe.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "apps/progress_view.h"
+
+namespace pss {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json describe_bounds(const WorldBox& box) { return {{"min", box.min}, {"max", box.max}}; }
+
+Json describe_dimension(const Dimension& dimension) {
+  Json row{{"name", dimension.name}, {"type", type_name(dimension.type)}};
+  if (dimension.width > 0) row["bits"] = dimension.width;
+  if (dimension.count > 1) row["count"] = dimension.count;
+  if (dimension.scale != 1) row["scale"] = dimension.scale;
+  if (dimension.offset != 0) row["offset"] = dimension.offset;
+  return row;
+}
+
+Json describe_schema(const Schema& schema) {
+  Json rows = Json::array();
+  for (const Dimension& dimension : schema.dimensions())
+    rows.push_back(describe_dimension(dimension));
+  return rows;
+}
+
+void describe_grid(Json& facts, const Lattice& grid) {
+  facts["scale"] = grid.scale;
+  facts["offset"] = grid.origin;
+}
+
+/// What all points of a file say.
+struct Scan {
+  std::uint64_t points = 0;
+  WorldBox bounds;
+};
+
+Result<Scan> scan_points(Reader& reader) {
+  constexpr std::size_t kBatch = 65536;
+  Scan scan;
+  PointBatch batch;
+  for (;;) {
+    PSS_TRY(reader.read(kBatch, batch));
+    if (batch.size() == 0) return scan;
+    scan.points += batch.size();
+    for (const Index3& index : batch.index) scan.bounds.add(to_world(*reader.header().grid, index));
+    for (const World3& world : batch.world) scan.bounds.add(world);
+  }
+}
+
+bool is_table(const Json& value) {
+  return value.is_array() && !value.empty() && value.front().is_object();
+}
+
+std::string as_text(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+  if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
+  if (value.is_number_float()) return fmt::format("{}", value.get<double>());
+  if (value.is_null()) return "not told";
+  if (!value.is_structured()) return value.dump();
+  std::vector<std::string> parts;
+  for (const auto& [key, part] : value.items())
+    parts.push_back(value.is_object() ? key + " " + as_text(part) : as_text(part));
+  return fmt::format("{}", fmt::join(parts, value.is_object() ? ", " : "  "));
+}
+
+/// "name  type  the rest of it".
+std::string table_row(const Json& row) {
+  std::vector<std::string> rest;
+  for (const auto& [key, value] : row.items())
+    if (key != "name" && key != "type") rest.push_back(key + " " + as_text(value));
+  return fmt::format("    {:<28} {:<8} {}\n", as_text(row.value("name", Json(""))),
+                     as_text(row.value("type", Json(""))), fmt::join(rest, ", "));
+}
+
+/// Lines of a fact whose text has several, under one another.
+std::string fact_line(const std::string& key, const Json& value) {
+  std::string text = as_text(value);
+  constexpr const char* kIndent = "\n                   ";
+  for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 2))
+    text.replace(at, 1, kIndent);
+  return fmt::format("  {:<16} {}\n", key, text);
+}
+
+}  // namespace
+
+Result<Json> describe_file(Reader& reader, bool scan) {
+  const CloudHeader& header = reader.header();
+  Json facts{{"path", header.path}, {"kind", "file"}, {"format", format_name(header.format)}};
+  facts["points"] = header.count ? Json(*header.count) : Json();
+  facts["bounds"] = header.bounds ? describe_bounds(*header.bounds) : Json();
+  if (scan) {
+    PSS_ASSIGN(const Scan all, scan_points(reader));
+    facts["points_read"] = all.points;
+    facts["bounds_read"] = all.points ? describe_bounds(all.bounds) : Json();
+  }
+  if (header.grid) describe_grid(facts, *header.grid);
+  facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);
+  facts["bytes_per_point"] = header.schema.row_size();
+  facts["attributes"] = describe_schema(header.schema);
+  if (!header.warnings.empty()) facts["warnings"] = header.warnings;
+  return facts;
+}
+
+std::string as_table(const Json& facts) {
+  std::string out;
+  for (const auto& [key, value] : facts.items()) {
+    if (key == "path")
+      out += as_text(value) + "\n";
+    else if (!is_table(value))
+      out += fact_line(key, value);
+    else {
+      out += fmt::format("  {}\n", key);
+      for (const Json& row : value) out += table_row(row);
+    }
+  }
+  return out;
+}
+
+}  // namespace pss

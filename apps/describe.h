@@ -1,0 +1,19 @@
+#pragma once
+// What is in a file or a store, as JSON and as a table for people: `pss info`.
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "io/reader.h"
+
+namespace pss {
+
+/// What the header says; with `scan`, what all the points say too (counted, measured bounds).
+///
+/// Errors: with `scan`, those of reading.
+Result<nlohmann::ordered_json> describe_file(Reader& reader, bool scan);
+
+/// The same facts, one a line, attributes as rows of a table.
+std::string as_table(const nlohmann::ordered_json& facts);
+
+}  // namespace pss
