@@ -59,6 +59,12 @@ void Reservation::release() {
   bytes_ = 0;
 }
 
+void Reservation::shrink_to(std::uint64_t bytes) {
+  if (!budget_ || bytes >= bytes_) return;
+  budget_->used_ -= bytes_ - bytes;
+  bytes_ = bytes;
+}
+
 MemoryBudget::MemoryBudget(std::uint64_t limit, int threads) : limit_(limit) {
   const std::uint64_t own = kProgramBytes + kThreadBytes * static_cast<std::uint64_t>(threads);
   total_ = limit > own ? limit - own : 0;

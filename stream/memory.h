@@ -19,6 +19,8 @@ class Reservation {
 
   std::uint64_t bytes() const { return bytes_; }
   void release();
+  /// Gives back all but `bytes`.
+  void shrink_to(std::uint64_t bytes);
 
  private:
   friend class MemoryBudget;

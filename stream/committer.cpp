@@ -1,0 +1,70 @@
+#include "stream/committer.h"
+
+#include <utility>
+
+namespace pss {
+
+Committer::Committer(StoreWriter& writer, const Operator& op)
+    : writer_(writer), operator_(op), thread_([this] { run(); }) {}
+
+Committer::~Committer() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+Result<void> Committer::failure_locked() const {
+  if (error_) return *error_;
+  return {};
+}
+
+Result<void> Committer::push(FinishedPart part) {
+  const std::lock_guard lock(mutex_);
+  PSS_TRY(failure_locked());
+  queue_.push_back(std::move(part));
+  changed_.notify_all();
+  return {};
+}
+
+Result<void> Committer::drain() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return error_ || (queue_.empty() && !busy_); });
+  return failure_locked();
+}
+
+void Committer::run() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return ending_ || !queue_.empty(); });
+    if (queue_.empty()) return;
+    FinishedPart part = std::move(queue_.front());
+    queue_.pop_front();
+    busy_ = true;
+    lock.unlock();
+    Result<void> done = commit(part);
+    part = {};  // its memory goes back before anyone hears that it is done
+    lock.lock();
+    busy_ = false;
+    if (!done) {
+      error_ = std::move(done).error();
+      queue_.clear();
+      changed_.notify_all();
+      return;
+    }
+    changed_.notify_all();
+  }
+}
+
+Result<void> Committer::commit(FinishedPart& part) {
+  for (std::size_t b = 0; b < part.blocks.size(); ++b) {
+    PSS_TRY(writer_.append(part.blocks[b]));
+    operator_.merge_note(note_, part.notes[b]);
+  }
+  if (!part.last_of_tile) return {};
+  return writer_.commit_tile(part.cell, std::exchange(note_, {}));
+}
+
+}  // namespace pss

@@ -1,0 +1,58 @@
+#pragma once
+// Writes finished parts to the result store on a thread of its own, in order.
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "core/result.h"
+#include "stream/memory.h"
+#include "stream/operator.h"
+#include "stream/store.h"
+
+namespace pss {
+
+/// A computed part, compressed.
+struct FinishedPart {
+  Cell cell;
+  bool last_of_tile = false;
+  std::uint64_t points = 0;
+  std::vector<EncodedBlock> blocks;
+  std::vector<std::vector<std::byte>> notes;  ///< one a block
+  Reservation memory;                         ///< of `blocks`
+};
+
+/// Appends parts to a store in the order given, and commits each tile with its last part.
+class Committer {
+ public:
+  Committer(StoreWriter& writer, const Operator& op);
+  ~Committer();
+  Committer(const Committer&) = delete;
+  Committer& operator=(const Committer&) = delete;
+
+  /// Queues a part. Errors: the first failure of the thread, which then writes nothing more.
+  Result<void> push(FinishedPart part);
+  /// Waits until everything queued is in the store.
+  Result<void> drain();
+
+ private:
+  void run();
+  Result<void> commit(FinishedPart& part);
+  Result<void> failure_locked() const;
+
+  StoreWriter& writer_;
+  const Operator& operator_;
+  std::vector<std::byte> note_;  ///< of the tile that is being written
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<FinishedPart> queue_;
+  bool busy_ = false;
+  bool ending_ = false;
+  std::optional<Error> error_;
+  std::thread thread_;
+};
+
+}  // namespace pss

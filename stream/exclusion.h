@@ -1,0 +1,42 @@
+#pragma once
+// Which points are no neighbours of others: withheld points and the noise classes 7 and 18.
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/result.h"
+#include "io/schema.h"
+#include "stream/store.h"
+
+namespace pss {
+
+/// Decides by the Classification and Withheld dimensions, where a schema has them.
+class Exclusion {
+ public:
+  explicit Exclusion(const Schema& schema);
+
+  /// Whether any point of this schema can be excluded.
+  bool active() const { return !tests_.empty(); }
+
+  /// Whether the point with this whole row is excluded.
+  bool excludes(const std::byte* row) const;
+
+  /// Marks the excluded points of a block, reading only the fields that decide.
+  ///
+  /// Shape: `excluded` has block.count elements, set to 0 or 1.
+  Result<void> mark(const Store& store, const TileInfo& tile, const BlockInfo& block,
+                    std::span<std::uint8_t> excluded) const;
+
+ private:
+  struct Test {
+    std::size_t field;    ///< the field that holds the value
+    Dimension in_row;     ///< where it lies in a whole row
+    Dimension in_field;   ///< where it lies in the field alone
+    bool classification;  ///< noise classes exclude; otherwise any value but zero
+  };
+  static bool hit(const Test& test, double value);
+  std::vector<Test> tests_;
+};
+
+}  // namespace pss

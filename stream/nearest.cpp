@@ -1,0 +1,106 @@
+#include "stream/nearest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <utility>
+
+namespace pss {
+namespace {
+
+constexpr std::size_t kMostIndexes = 32;
+constexpr std::size_t kBlockBytes = kBlockPoints * sizeof(Index3);
+constexpr std::uint64_t kCacheBytes = 16u << 20;
+
+/// The k smallest distances to distinct positions.
+class Nearest {
+ public:
+  Nearest(const Lattice& lattice, const Index3& query, int k)
+      : lattice_(lattice), query_(query), k_(static_cast<std::size_t>(k)) {}
+
+  bool full() const { return found_.size() == k_; }
+  double worst_sq() const { return full() ? found_.back().first : HUGE_VAL; }
+
+  void add(const Index3& position) {
+    if (position == query_) return;
+    const Found entry{distance_sq(lattice_, query_, position), position};
+    if (full() && !(entry < found_.back())) return;
+    const auto place = std::lower_bound(found_.begin(), found_.end(), entry);
+    if (place != found_.end() && *place == entry) return;
+    found_.insert(place, entry);
+    if (found_.size() > k_) found_.pop_back();
+  }
+
+ private:
+  using Found = std::pair<double, Index3>;
+  const Lattice& lattice_;
+  const Index3& query_;
+  std::size_t k_;
+  std::vector<Found> found_;  ///< sorted
+};
+
+/// Something that may hold near positions: a tile, or one of its blocks.
+struct Place {
+  double distance_sq;
+  std::size_t tile;
+  const BlockInfo* block;  ///< null for a whole tile
+  bool operator>(const Place& other) const { return distance_sq > other.distance_sq; }
+};
+
+}  // namespace
+
+NearestSearch::NearestSearch(const Store& store, MemoryBudget& budget) : store_(store) {
+  const std::uint64_t bytes = std::min<std::uint64_t>(kCacheBytes, budget.available() / 2);
+  if (auto memory = budget.reserve(bytes)) memory_ = std::move(*memory);
+  most_blocks_ = std::max<std::size_t>(4, memory_.bytes() / kBlockBytes);
+}
+
+Result<const std::vector<BlockInfo>*> NearestSearch::index_of(std::size_t tile) {
+  const auto found = std::ranges::find(indexes_, tile, &CachedIndex::tile);
+  if (found != indexes_.end()) {
+    indexes_.splice(indexes_.begin(), indexes_, found);
+  } else {
+    PSS_ASSIGN(std::vector<BlockInfo> blocks, store_.read_index(tile));
+    indexes_.push_front({tile, std::move(blocks)});
+  }
+  return &indexes_.front().blocks;
+}
+
+Result<const std::vector<Index3>*> NearestSearch::positions_of(std::size_t tile,
+                                                               const BlockInfo& block) {
+  const auto found = std::ranges::find(blocks_, block.first_row, &CachedBlock::first_row);
+  if (found != blocks_.end()) {
+    blocks_.splice(blocks_.begin(), blocks_, found);
+  } else {
+    std::vector<Index3> positions(block.count);
+    PSS_TRY(store_.read_positions(store_.tiles()[tile], block, positions));
+    blocks_.push_front({block.first_row, std::move(positions)});
+    if (blocks_.size() > most_blocks_) blocks_.pop_back();
+  }
+  return &blocks_.front().positions;
+}
+
+Result<std::optional<double>> NearestSearch::kth_distance(const Index3& query, int k) {
+  const Lattice& lattice = store_.header().lattice;
+  while (indexes_.size() > kMostIndexes) indexes_.pop_back();
+  std::priority_queue<Place, std::vector<Place>, std::greater<>> places;
+  for (std::size_t t = 0; t < store_.tiles().size(); ++t)
+    places.push({distance_sq(lattice, query, store_.tiles()[t].box), t, nullptr});
+  Nearest nearest(lattice, query, k);
+  while (!places.empty() && places.top().distance_sq <= nearest.worst_sq()) {
+    const Place place = places.top();
+    places.pop();
+    if (place.block) {
+      PSS_ASSIGN(const std::vector<Index3>* positions, positions_of(place.tile, *place.block));
+      for (const Index3& position : *positions) nearest.add(position);
+    } else {
+      PSS_ASSIGN(const std::vector<BlockInfo>* blocks, index_of(place.tile));
+      for (const BlockInfo& block : *blocks)
+        places.push({distance_sq(lattice, query, block.box), place.tile, &block});
+    }
+  }
+  if (!nearest.full()) return std::optional<double>();
+  return std::optional(std::sqrt(nearest.worst_sq()));
+}
+
+}  // namespace pss

@@ -1,0 +1,64 @@
+#pragma once
+// The projection as an operator over tiles: support per point, new positions, outputs, statistics.
+
+#include <cstdint>
+#include <optional>
+
+#include "core/projection.h"
+#include "stream/operator.h"
+#include "stream/outputs.h"
+#include "stream/project_statistics.h"
+
+namespace pss {
+
+/// What a projection computes; the choices of a user made definite.
+struct ProjectParameters {
+  int degree = 3;
+  Support support;         ///< of every query, unless `nearest` is set
+  int nearest = 0;         ///< the query owns its support: `factor` * distance to its k-th nearest
+  double factor = 1;       ///< radius / that distance; h follows by radius_factor(degree)
+  double cap = 0;          ///< a k-th nearest farther than this leaves the query isolated
+  double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
+  OutputSet outputs = 0;
+  std::optional<Lattice> grid;   ///< the grid of the output file, whose int32 range limits places
+  std::optional<double> buffer;  ///< halo width by hand
+  bool allow_inexact = false;    ///< whether it may be smaller than exactness needs
+};
+
+/// The lattice of a result: the source's, its step refined up to 256-fold as far as 42 bits and
+/// room for moves of `largest_move` allow.
+Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double largest_move);
+
+class ProjectOperator : public Operator {
+ public:
+  /// Errors: kUsage where an attribute of the source stands in the way of an output.
+  static Result<ProjectOperator> create(const Store& source, const ProjectParameters& parameters);
+
+  const StoreHeader& result_header() const override { return header_; }
+  double first_reach() const override;
+  std::optional<double> prepare(Part& part) const override;
+  std::uint64_t bytes(std::uint64_t own, std::uint64_t candidates) const override;
+  std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
+  void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
+
+  /// How far the widest query may look.
+  double largest_reach() const;
+
+ private:
+  ProjectOperator(const Store& source, const ProjectParameters& parameters);
+  /// The support of a point whose k-th neighbour lies at `distance`.
+  Support support_at(double distance) const;
+  std::size_t bytes_per_row() const { return header_.schema.row_size(); }
+  /// Writes the outcome of own point i: place, outputs. The status may change to not representable.
+  void place(Projection& projection, Part& part, std::size_t i) const;
+  bool representable(const Index3& index) const;
+
+  ProjectParameters parameters_;
+  Lattice source_lattice_;
+  std::int64_t refinement_ = 1;
+  Exclusion exclusion_;
+  StoreHeader header_;
+  OutputColumns columns_;
+};
+
+}  // namespace pss

@@ -1,0 +1,37 @@
+#pragma once
+// What a projection did to many points, in a form that tiles keep and reports add up.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/projection.h"
+
+namespace pss {
+
+/// Sums over points. Adding blocks in row order gives the same bits however tiles were cut.
+struct ProjectStatistics {
+  std::array<std::uint64_t, kStatusCount> statuses{};
+  std::uint64_t neighbours = 0;  ///< summed over the points that were evaluated
+  std::uint64_t evaluated = 0;   ///< points with any neighbours counted
+  std::uint64_t most_neighbours = 0;
+  double displacement_sq = 0;  ///< summed over the points that moved
+  double largest_displacement = 0;
+  double residual_sq = 0;  ///< summed over the points that moved
+
+  void add(const Projection& projection);
+  void add(const ProjectStatistics& other);
+
+  std::uint64_t points() const;
+  std::uint64_t moved() const;
+  double mean_neighbours() const;
+  double rms_displacement() const;
+  double rms_residual() const;
+
+  std::vector<std::byte> to_bytes() const;
+  /// Bytes of another length give empty statistics.
+  static ProjectStatistics from_bytes(std::span<const std::byte> bytes);
+};
+
+}  // namespace pss

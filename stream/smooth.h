@@ -1,0 +1,121 @@
+#pragma once
+// The main job: files or a store in, every point projected onto its MLS surface, one file out.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/monitor.h"
+#include "core/result.h"
+#include "stream/ingest.h"
+#include "stream/memory.h"
+#include "stream/outputs.h"
+#include "stream/project_statistics.h"
+#include "stream/scheduler.h"
+#include "stream/spacing.h"
+
+namespace pss {
+
+/// What the user asked for; what is empty is chosen and explained in the report.
+struct SmoothOptions {
+  // What the result depends on.
+  std::optional<double> radius;
+  std::optional<double> h;
+  std::optional<int> knn;
+  int degree = 3;
+  OutputSet outputs = 0;
+  std::optional<double> buffer;
+  bool allow_inexact = false;
+  std::optional<World3> scale;   ///< of a LAS output
+  bool scale_auto = false;       ///< the finest scale that holds the result
+  std::optional<World3> offset;  ///< of a LAS output
+  std::uint32_t tile_points = kTilePoints;
+  // How the job runs.
+  std::string work_dir;  ///< empty: OUTPUT.work
+  bool overwrite = false;
+  bool restart = false;
+  bool keep_work = false;
+};
+
+struct SmoothJob {
+  std::vector<std::string> inputs;  ///< files, or one store
+  std::string output;               ///< a file, or NAME.pss to keep the store
+  SmoothOptions options;
+};
+
+/// The widths that a job uses, and why.
+struct ChosenWidths {
+  double radius = 0;  ///< 0 where each point owns its own
+  double h = 0;
+  int nearest = 0;                 ///< each point's radius follows from this many neighbours
+  double cap = 0;                  ///< of the distance to them
+  double factor = 1;               ///< radius / that distance
+  std::string why;                 ///< a sentence for the report
+  std::optional<Spacing> spacing;  ///< where it was measured
+};
+
+/// All that a run has to tell.
+struct SmoothReport {
+  bool already_complete = false;
+  bool resumed = false;
+  std::vector<std::string> inputs;
+  std::string output;
+  std::string work_dir;
+  std::uint64_t points_in = 0;
+  std::uint64_t points_out = 0;
+  IngestSummary ingest;
+  ChosenWidths widths;
+  ProjectStatistics statistics;
+  ScheduleSummary schedule;
+  std::uint64_t tiles = 0;
+  double rounding_step = 0;  ///< largest axis step of the written grid; 0 for floating point
+  double plan_seconds = 0, ingest_seconds = 0, spacing_seconds = 0, smooth_seconds = 0,
+         write_seconds = 0, total_seconds = 0;
+  std::uint64_t store_bytes = 0;   ///< of the sorted input on disk
+  std::uint64_t result_bytes = 0;  ///< of the result store
+  std::uint64_t peak_memory = 0;
+  std::uint64_t memory_limit = 0;
+  int threads = 0;
+  std::vector<std::string> notes;
+};
+
+/// The report as JSON; keys are documented in docs/report.md and stable.
+std::string to_json(const SmoothReport& report);
+
+/// Runs the job, or goes on with it, or says that it is complete.
+///
+/// Errors: as in the table of exit codes; nothing is left under OUTPUT's name unless complete.
+Result<SmoothReport> smooth(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor);
+
+/// What a job would take. Exact to a block from a store; from files estimated by their headers.
+struct SmoothEstimate {
+  bool from_store = false;
+  std::uint64_t points = 0;
+  std::uint64_t tiles = 0;
+  std::uint64_t parts = 0;
+  double halo_share = 0;          ///< halo points over own points
+  std::uint64_t peak_memory = 0;  ///< of the process
+  std::uint64_t disk_bytes = 0;   ///< work directory and output together, at the worst moment
+  double seconds = 0;             ///< of this machine and thread count
+  ChosenWidths widths;            ///< only from a store
+};
+Result<SmoothEstimate> estimate_smooth(const SmoothJob& job, MemoryBudget& budget,
+                                       Monitor& monitor);
+std::string to_json(const SmoothEstimate& estimate);
+
+/// How far a job is, for `info WORKDIR`.
+struct JobState {
+  std::string command;
+  std::string output;
+  std::string stage;  ///< "sort", "smooth", "write", "complete"
+  std::uint64_t tiles_done = 0;
+  std::uint64_t tiles = 0;  ///< 0 while unknown
+  std::uint64_t points = 0;
+  std::string parameters;  ///< JSON
+  std::vector<std::string> inputs;
+  std::optional<std::string> holder;  ///< "pid N on HOST" of a process that runs it now
+};
+Result<JobState> read_job_state(const std::string& work_dir);
+
+}  // namespace pss

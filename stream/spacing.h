@@ -1,0 +1,42 @@
+#pragma once
+// How far apart the points of a store are, measured on a sample that depends on nothing but them.
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "core/monitor.h"
+#include "core/result.h"
+#include "stream/memory.h"
+#include "stream/store.h"
+
+namespace pss {
+
+/// The distance to the 16th nearest distinct position, over the sample.
+struct Spacing {
+  double spacing = 0;   ///< median d16 * sqrt(pi / 16): the mean spacing of points on a surface
+  double d16 = 0;       ///< the median
+  double d16_low = 0;   ///< 10th percentile
+  double d16_high = 0;  ///< 90th percentile
+  std::size_t sample = 0;
+
+  /// Whether the density varies so much that each point should own its width.
+  bool varying() const { return d16_high > 4 * d16_low; }
+};
+
+/// d16 to spacing: a disc of radius d16 holds 16 points, each with an area of spacing^2.
+double spacing_of_d16(double d16);
+
+/// The nearest-neighbour rank that the spacing is measured at.
+inline constexpr int kSpacingRank = 16;
+/// The distinct positions of smallest hash that are measured.
+inline constexpr std::size_t kSpacingSample = 4096;
+
+/// Measures the spacing of all points; empty where there are fewer than 17 distinct positions.
+///
+/// Reads all positions once to choose the sample, then the blocks around each sampled position,
+/// nearest first, until the 16th nearest is certain.
+Result<std::optional<Spacing>> measure_spacing(const Store& store, MemoryBudget& budget,
+                                               Monitor& monitor);
+
+}  // namespace pss
