@@ -11,10 +11,6 @@ std::int64_t gap(std::int64_t p, std::int64_t low, std::int64_t high) {
   return p < low ? low - p : p > high ? p - high : 0;
 }
 
-double length_sq(double dx, double dy, double dz) {
-  return std::fma(dx, dx, std::fma(dy, dy, dz * dz));
-}
-
 }  // namespace
 
 World3 to_world(const Lattice& lattice, const Index3& index) {

@@ -2,6 +2,7 @@
 // The global grid of positions: integers, a scale an axis and an origin.
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "core/result.h"
@@ -39,7 +40,12 @@ Index3 to_index(const Lattice& lattice, const World3& world);
 bool on_lattice(const Lattice& lattice, const World3& world);
 bool on_lattice(const Index3& index);
 
-/// |b - a|^2 in world units by the one formula that every neighbourhood decision uses.
+/// The one formula for a squared length that every neighbourhood decision uses.
+inline double length_sq(double dx, double dy, double dz) {
+  return std::fma(dx, dx, std::fma(dy, dy, dz * dz));
+}
+
+/// |b - a|^2 in world units, by length_sq.
 double distance_sq(const Lattice& lattice, const Index3& a, const Index3& b);
 
 /// An axis-aligned box in world units; empty while min > max.

@@ -2,6 +2,7 @@
 // Finds the points of a key-sorted cloud within a ball, always in key order.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -33,18 +34,28 @@ class CellGrid {
  public:
   /// Cells sized for balls of about `radius`.
   ///
-  /// Requires: `points` sorted by key, on the lattice, outliving the grid; radius > 0.
+  /// Requires: `points` sorted by key, on the lattice, fewer than 2^32, outliving the grid;
+  ///           radius > 0.
+  /// Cost:     O(n).
   CellGrid(const Lattice& lattice, std::span<const Index3> points, double radius);
 
   /// Replaces `out` by the offsets of all points with |p - query|^2 < radius^2, in key order.
   ///
   /// Units:  world units, relative to the query (its remainder subtracted after conversion).
   /// Thread: any number at once.
+  /// Cost:   at most 27 searches and the points of the cells that the ball touches, whatever the
+  ///         radius; `out` allocates only while it grows.
   void gather(const Query& query, double radius, Offsets& out) const;
 
   /// The distance from a position to the k-th nearest distinct position, its own excluded.
   ///
-  /// Empty when fewer than k distinct positions lie within `cap` (distance <= cap).
+  /// Empty when fewer than k distinct positions lie within `cap` (distance <= cap), which may be
+  /// infinite.
+  ///
+  /// Requires: k >= 1; `position` on the lattice, in the cloud or not.
+  /// Thread:   any number at once.
+  /// Cost:     about that of one to three balls that hold k positions; copies of a position count
+  ///           as one search.
   std::optional<double> kth_distance(const Index3& position, int k, double cap) const;
 
   /// What a grid over `points` points allocates at most.
@@ -52,12 +63,22 @@ class CellGrid {
 
  private:
   struct Entry {
-    Key first;
+    Key first;  // of the cell, not of a point
     std::uint32_t begin;
   };
+
+  template <class Visit>
+  void visit_ball(const Query& query, double radius, Visit visit) const;
+  template <class Nearest>
+  void add_distances(const Index3& position, double radius, Nearest& nearest) const;
+  std::size_t lower_bound(const Key& key, int shift, std::size_t& entry) const;
+  std::size_t end_of(std::size_t entry) const;
+  std::size_t end_of_copies(std::size_t i, std::size_t end) const;
+  double first_guess(const Index3& position, int k) const;
+
   Lattice lattice_;
   std::span<const Index3> points_;
-  int level_ = 0;
+  int shift_ = 0;  // the cells' sides are 2^shift_ steps
   std::vector<Entry> cells_;
 };
 

@@ -1,0 +1,349 @@
+#include "core/neighbours.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace pss {
+namespace {
+
+/// Cells that a ball may touch; with sides of at least its radius it never touches more.
+constexpr std::size_t kMostCells = 27;
+/// Points a cell on average, at least: what keeps the table small beside the points.
+constexpr std::size_t kPointsPerCell = 8;
+/// Bounds the rounding of a plain sum of squares against length_sq, and much else.
+constexpr double kSlack = 1e-12;
+
+using Biased3 = std::array<std::uint64_t, 3>;
+
+/// An axis of the lattice counted from its lower end, as keys count it.
+std::uint64_t biased(std::int64_t index) { return static_cast<std::uint64_t>(index - kLatticeMin); }
+
+/// The part of a key that one axis contributes.
+Key axis_key(std::size_t axis, std::uint64_t position) {
+  Index3 index{kLatticeMin, kLatticeMin, kLatticeMin};
+  index[axis] += static_cast<std::int64_t>(position);
+  return encode_key(index);
+}
+
+/// The key after the last one of the cell of side 2^shift that begins at `first`.
+Key after_cell(Key first, int shift) {
+  constexpr std::uint64_t kWord = std::uint64_t{1} << 63;
+  if (3 * shift >= 63) return {first.high + (std::uint64_t{1} << (3 * shift - 63)), first.low};
+  first.low += std::uint64_t{1} << (3 * shift);
+  if (first.low >= kWord) return {first.high + 1, first.low - kWord};
+  return first;
+}
+
+/// The side, as a power of two, of the smallest cell that holds both positions.
+int common_shift(const Index3& a, const Index3& b) {
+  const std::uint64_t differing =
+      (biased(a[0]) ^ biased(b[0])) | (biased(a[1]) ^ biased(b[1])) | (biased(a[2]) ^ biased(b[2]));
+  return 64 - std::countl_zero(differing);
+}
+
+/// The largest number of whole steps that a length may reach along an axis, and one more.
+std::int64_t steps_within(double length, double scale) {
+  constexpr double kMost = 0x1p43;
+  return static_cast<std::int64_t>(std::min(length / scale, kMost)) + 1;
+}
+
+/// The lattice's part of a box around a ball.
+struct Box {
+  Biased3 low;
+  Biased3 high;
+
+  Box(const Lattice& lattice, const Query& query, double radius) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int64_t steps =
+          steps_within(radius + std::abs(query.remainder[a]), lattice.scale[a]);
+      low[a] = biased(std::clamp(query.position[a] - steps, kLatticeMin, kLatticeMax));
+      high[a] = biased(std::clamp(query.position[a] + steps, kLatticeMin, kLatticeMax));
+    }
+  }
+
+  std::uint64_t cells_along(std::size_t axis, int shift) const {
+    return (high[axis] >> shift) - (low[axis] >> shift) + 1;
+  }
+
+  /// The smallest cells of which the box touches no more than kMostCells.
+  int shift() const {
+    const std::uint64_t longest = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
+    int shift = std::max(0, 59 - std::countl_zero(longest));  // 1/32 of it at least
+    while (cells_along(0, shift) * cells_along(1, shift) * cells_along(2, shift) > kMostCells)
+      ++shift;
+    return shift;
+  }
+};
+
+/// One axis of a box's cells: their parts of the key, and how far from the ball's centre they are.
+struct Slabs {
+  std::array<Key, kMostCells> key;
+  std::array<double, kMostCells> distance_sq;
+  std::size_t count;
+
+  Slabs(const Lattice& lattice, const Query& query, const Box& box, int shift, std::size_t axis)
+      : count(box.cells_along(axis, shift)) {
+    const std::uint64_t centre = biased(query.position[axis]);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint64_t first = ((box.low[axis] >> shift) + i) << shift;
+      const std::uint64_t last = first + (std::uint64_t{1} << shift) - 1;
+      const std::uint64_t gap = centre < first ? first - centre : centre > last ? centre - last : 0;
+      const double least = lattice.scale[axis] * static_cast<double>(gap) -
+                           std::abs(query.remainder[axis]) * (1 + kSlack);
+      key[i] = axis_key(axis, first);
+      distance_sq[i] = least > 0 ? least * least : 0;
+    }
+  }
+};
+
+/// The first keys of the cells that a ball may touch, in order.
+struct TouchedCells {
+  std::array<Key, kMostCells> first;
+  std::size_t count = 0;
+  int shift;
+
+  TouchedCells(const Lattice& lattice, const Query& query, double radius) {
+    const Box box(lattice, query, radius);
+    shift = box.shift();
+    const Slabs x(lattice, query, box, shift, 0);
+    const Slabs y(lattice, query, box, shift, 1);
+    const Slabs z(lattice, query, box, shift, 2);
+    const double limit = radius * radius * (1 + kSlack);
+    for (std::size_t k = 0; k < z.count; ++k)
+      for (std::size_t j = 0; j < y.count; ++j)
+        for (std::size_t i = 0; i < x.count; ++i) {
+          if (x.distance_sq[i] + y.distance_sq[j] + z.distance_sq[k] > limit) continue;
+          first[count++] = {x.key[i].high | y.key[j].high | z.key[k].high,
+                            x.key[i].low | y.key[j].low | z.key[k].low};
+        }
+    std::sort(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(count));
+  }
+};
+
+/// Offsets on their way into vectors, which would clear what they are grown by.
+class OffsetBuffer {
+ public:
+  explicit OffsetBuffer(Offsets& out) : out_(out) {}
+  ~OffsetBuffer() { flush(); }
+  OffsetBuffer(const OffsetBuffer&) = delete;
+  OffsetBuffer& operator=(const OffsetBuffer&) = delete;
+
+  /// Keeps the offset if `inside`, without a branch.
+  void add(double x, double y, double z, bool inside) {
+    x_[count_] = x;
+    y_[count_] = y;
+    z_[count_] = z;
+    count_ += inside;
+    if (count_ == kCapacity) flush();
+  }
+
+ private:
+  static constexpr std::size_t kCapacity = 256;
+
+  void flush() {
+    out_.x.insert(out_.x.end(), x_.data(), x_.data() + count_);
+    out_.y.insert(out_.y.end(), y_.data(), y_.data() + count_);
+    out_.z.insert(out_.z.end(), z_.data(), z_.data() + count_);
+    count_ = 0;
+  }
+
+  Offsets& out_;
+  std::size_t count_ = 0;
+  std::array<double, kCapacity> x_, y_, z_;
+};
+
+/// Decides |d|^2 < radius^2 by length_sq, which is called only where a plain sum cannot tell:
+/// where the processor is not known to fuse, std::fma is a function call.
+class InsideBall {
+ public:
+  explicit InsideBall(double radius)
+      : radius_sq_(radius * radius),
+        surely_(radius_sq_ * (1 - kSlack)),
+        perhaps_(radius_sq_ * (1 + kSlack)) {}
+
+  bool operator()(double dx, double dy, double dz) const {
+    const double plain = dx * dx + dy * dy + dz * dz;
+    if (plain >= surely_ && plain <= perhaps_) [[unlikely]]
+      return length_sq(dx, dy, dz) < radius_sq_;
+    return plain < surely_;
+  }
+
+ private:
+  double radius_sq_, surely_, perhaps_;
+};
+
+/// The k smallest of the values that it is shown.
+class Smallest {
+ public:
+  explicit Smallest(std::size_t k) : k_(k) { heap_.reserve(k); }
+
+  bool full() const { return heap_.size() == k_; }
+  double largest() const { return heap_.front(); }
+  void clear() { heap_.clear(); }
+
+  void add(double value) {
+    if (full()) {
+      if (value >= largest()) return;
+      std::pop_heap(heap_.begin(), heap_.end());
+      heap_.pop_back();
+    }
+    heap_.push_back(value);
+    std::push_heap(heap_.begin(), heap_.end());
+  }
+
+ private:
+  std::size_t k_;
+  std::vector<double> heap_;
+};
+
+/// The finest cells, at least of side 2^shift, that hold kPointsPerCell points on average.
+int affordable_shift(std::span<const Index3> points, int shift) {
+  std::array<std::size_t, kLatticeBits + 1> borders{};  // borders[s]: pairs first united by side s
+  for (std::size_t i = 1; i < points.size(); ++i)
+    ++borders[static_cast<std::size_t>(common_shift(points[i - 1], points[i]))];
+  std::size_t cells = 1;
+  int affordable = kLatticeBits;
+  for (; affordable > shift; --affordable) {
+    cells += borders[static_cast<std::size_t>(affordable)];
+    if (cells > points.size() / kPointsPerCell + 1) break;
+  }
+  return affordable;
+}
+
+}  // namespace
+
+void Offsets::clear() {
+  x.clear();
+  y.clear();
+  z.clear();
+}
+
+CellGrid::CellGrid(const Lattice& lattice, std::span<const Index3> points, double radius)
+    : lattice_(lattice), points_(points) {
+  assert(radius > 0);
+  assert(points.size() < std::numeric_limits<std::uint32_t>::max());
+  assert(std::ranges::is_sorted(points, {}, encode_key));
+  if (points.empty()) return;
+  shift_ = affordable_shift(points, Box(lattice, {points[points.size() / 2]}, radius).shift());
+  std::size_t count = 1;
+  for (std::size_t i = 1; i < points.size(); ++i)
+    count += common_shift(points[i - 1], points[i]) > shift_;
+  cells_.reserve(count);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (i == 0 || common_shift(points[i - 1], points[i]) > shift_)
+      cells_.push_back({cell_of(encode_key(points[i]), kLatticeBits - shift_).first,
+                        static_cast<std::uint32_t>(i)});
+}
+
+std::size_t CellGrid::bytes_for(std::size_t points) {
+  return (points / kPointsPerCell + 1) * sizeof(Entry);
+}
+
+std::size_t CellGrid::end_of(std::size_t entry) const {
+  return entry + 1 < cells_.size() ? cells_[entry + 1].begin : points_.size();
+}
+
+/// The first point whose key is not less than `key`, which begins a cell of side 2^shift.
+///
+/// `entry` is where to start among the cells, and is moved on: keys must not descend.
+std::size_t CellGrid::lower_bound(const Key& key, int shift, std::size_t& entry) const {
+  const auto begin = cells_.begin() + static_cast<std::ptrdiff_t>(entry);
+  const auto found = std::lower_bound(begin, cells_.end(), key,
+                                      [](const Entry& e, const Key& k) { return e.first < k; });
+  entry = static_cast<std::size_t>(found - cells_.begin());
+  const bool between_cells = shift >= shift_ || (found != cells_.end() && found->first == key);
+  if (between_cells || entry == 0) return entry < cells_.size() ? found->begin : points_.size();
+  --entry;  // the key lies within this cell, or after its last point
+  const auto within = points_.subspan(cells_[entry].begin, end_of(entry) - cells_[entry].begin);
+  return cells_[entry].begin +
+         static_cast<std::size_t>(std::ranges::lower_bound(within, key, {}, encode_key) -
+                                  within.begin());
+}
+
+/// Calls visit(begin, end) on ascending ranges of points that hold all of the ball.
+template <class Visit>
+void CellGrid::visit_ball(const Query& query, double radius, Visit visit) const {
+  if (points_.empty()) return;
+  const TouchedCells touched(lattice_, query, radius);
+  std::size_t entry = 0;
+  for (std::size_t i = 0; i < touched.count; ++i) {
+    const std::size_t begin = lower_bound(touched.first[i], touched.shift, entry);
+    if (begin == points_.size()) return;
+    const Key after = after_cell(touched.first[i], touched.shift);
+    const std::size_t end = lower_bound(after, touched.shift, entry);
+    if (begin < end) visit(begin, end);
+  }
+}
+
+void CellGrid::gather(const Query& query, double radius, Offsets& out) const {
+  out.clear();
+  OffsetBuffer buffer(out);
+  const InsideBall inside(radius);
+  visit_ball(query, radius, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      World3 d;
+      for (std::size_t a = 0; a < 3; ++a)
+        d[a] = lattice_.scale[a] * static_cast<double>(points_[i][a] - query.position[a]) -
+               query.remainder[a];
+      buffer.add(d[0], d[1], d[2], inside(d[0], d[1], d[2]));
+    }
+  });
+}
+
+/// One past the last copy of point i, in time logarithmic in their number.
+std::size_t CellGrid::end_of_copies(std::size_t i, std::size_t end) const {
+  std::size_t copy = i;
+  std::size_t step = 1;
+  for (; copy + step < end && points_[copy + step] == points_[i]; step *= 2) copy += step;
+  std::size_t other = std::min(copy + step, end);
+  while (other - copy > 1) {
+    const std::size_t middle = copy + (other - copy) / 2;
+    (points_[middle] == points_[i] ? copy : other) = middle;
+  }
+  return other;
+}
+
+/// A radius that would hold k points if the position's cell were an evenly covered sheet.
+double CellGrid::first_guess(const Index3& position, int k) const {
+  const Key key = cell_of(encode_key(position), kLatticeBits - shift_).first;
+  std::size_t entry = 0;
+  const std::size_t begin = lower_bound(key, shift_, entry);
+  const std::size_t end = lower_bound(after_cell(key, shift_), shift_, entry);
+  const double held = static_cast<double>(std::max<std::size_t>(end - begin, 1));
+  const double side = std::ldexp(std::ranges::max(lattice_.scale), shift_);
+  return side * std::sqrt((k + 1) / (3 * held));
+}
+
+/// Shows `nearest` the squared distances of the distinct positions within `radius`, but the own.
+template <class Nearest>
+void CellGrid::add_distances(const Index3& position, double radius, Nearest& nearest) const {
+  visit_ball({position}, radius * (1 + kSlack), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const double d = distance_sq(lattice_, position, points_[i]);
+      if (points_[i] != position && std::sqrt(d) <= radius) nearest.add(d);
+      if (i + 1 < end && points_[i + 1] == points_[i]) i = end_of_copies(i, end) - 1;
+    }
+  });
+}
+
+std::optional<double> CellGrid::kth_distance(const Index3& position, int k, double cap) const {
+  assert(k >= 1);
+  if (points_.empty() || !(cap > 0)) return std::nullopt;
+  const double everywhere = std::ldexp(std::ranges::max(lattice_.scale), kLatticeBits + 2);
+  const double widest = std::min(cap, everywhere);
+  Smallest nearest(static_cast<std::size_t>(k));
+  for (double radius = first_guess(position, k);; radius *= 2) {
+    radius = std::min(radius, widest);
+    nearest.clear();
+    add_distances(position, radius, nearest);
+    // All that is nearer than the radius has been seen, so k of these are the k nearest.
+    if (nearest.full()) return std::sqrt(nearest.largest());
+    if (radius >= widest) return std::nullopt;
+  }
+}
+
+}  // namespace pss
