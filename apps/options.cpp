@@ -83,6 +83,12 @@ Result<std::uint64_t> parse_count(std::string_view text) {
   return *whole;
 }
 
+Result<std::uint32_t> parse_tile_points(std::string_view text) {
+  PSS_ASSIGN(const std::uint64_t count, parse_count(text));
+  if (count == 0 || count > (1u << 30)) return usage(text, "a count from 1 to 2^30");
+  return static_cast<std::uint32_t>(count);
+}
+
 Result<std::uint64_t> parse_size(std::string_view text) {
   constexpr const char* kExpected = "a size such as 512M, 4G or 50%";
   std::string_view rest = text;
@@ -111,6 +117,15 @@ Result<World3> parse_triple(std::string_view text) {
   return values;
 }
 
+Result<World3> parse_scale(std::string_view text) {
+  Result<World3> values = parse_triple(text);
+  if (Result<double> one = parse_positive(text)) values = World3{*one, *one, *one};
+  if (!values) return usage(text, "one number above zero, or three as X,Y,Z");
+  for (double value : *values)
+    if (!(value > 0)) return usage(text, "numbers above zero");
+  return values;
+}
+
 void LimitOptions::declare(Arguments& arguments) {
   arguments.option("--memory-limit", "SIZE",
                    "Most memory that pss may use: 512M, 4G (2^20, 2^30 bytes), 50% "
@@ -129,11 +144,14 @@ Result<std::uint64_t> LimitOptions::limit() const {
                            given, least, (least + (1u << 20) - 1) >> 20)};
 }
 
-void ReportOptions::declare(Arguments& arguments) {
+void ReportOptions::declare_progress(Arguments& arguments) {
   arguments.choice("--progress", {"auto", "bar", "plain", "json", "none"},
                    "How to tell that work advances, on stderr: a bar, plain lines, JSON lines; "
                    "auto is a bar on a terminal, else plain lines [auto]",
                    progress);
+}
+
+void ReportOptions::declare_report(Arguments& arguments) {
   arguments.option("--report", "FILE", "Write a JSON report at the end; keys: docs/report.md",
                    report, parse_text);
 }
@@ -142,6 +160,33 @@ Result<void> ReportOptions::write(const std::string& json) const {
   if (report.empty()) return {};
   const std::string text = json + "\n";
   return replace_file(report, std::as_bytes(std::span(text)));
+}
+
+Result<ScaleChoice> parse_scale_or_auto(std::string_view text) {
+  if (text == "auto") return ScaleChoice{.automatic = true, .steps = std::nullopt};
+  PSS_ASSIGN(const World3 steps, parse_scale(text));
+  return ScaleChoice{.automatic = false, .steps = steps};
+}
+
+void GridOptions::declare(Arguments& arguments) {
+  arguments.option("--scale", "S|X,Y,Z|auto",
+                   "LAS: step of the written coordinates; auto: the finest that holds them "
+                   "[the input's]",
+                   scale, parse_scale_or_auto);
+  arguments.option("--offset", "X,Y,Z", "LAS: origin of the written coordinates [the input's]",
+                   offset, parse_triple);
+}
+
+void JobOptions::declare(Arguments& arguments) {
+  arguments.option("--work-dir", "DIR", "Where the job keeps its work [OUTPUT.work]", work_dir,
+                   parse_text);
+  arguments.flag("--keep-work", "Keep the work directory whole after success", keep_work);
+  arguments.flag("--overwrite", "Replace an existing OUTPUT, at the end and not before", overwrite);
+  arguments.flag("--restart", "Discard the work directory instead of going on with it", restart);
+}
+
+void declare_overwrite(Arguments& arguments, bool& overwrite) {
+  arguments.flag("--overwrite", "Replace an existing OUTPUT, at the end and not before", overwrite);
 }
 
 }  // namespace pss

@@ -2,6 +2,7 @@
 // What the values of options mean, and the options that several subcommands share.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,10 +22,14 @@ Result<double> parse_positive(std::string_view text);
 Result<int> parse_integer(std::string_view text);
 /// How many: "1000", "10k", "2M", "1e9"; k, M, G, T are powers of 1000.
 Result<std::uint64_t> parse_count(std::string_view text);
+/// How many points a tile owns at most: a count from 1 to 2^30.
+Result<std::uint32_t> parse_tile_points(std::string_view text);
 /// Bytes: "512M", "4G", "1.5G", "50%"; K, M, G, T are powers of 1024, % of the machine's memory.
 Result<std::uint64_t> parse_size(std::string_view text);
 /// Three numbers: "X,Y,Z".
 Result<World3> parse_triple(std::string_view text);
+/// A triple, or one number for all three.
+Result<World3> parse_scale(std::string_view text);
 
 /// How much memory and how many threads a command may use.
 struct LimitOptions {
@@ -41,9 +46,39 @@ struct ReportOptions {
   std::string progress = "auto";
   std::string report;  ///< path of a JSON report; empty: none
 
-  void declare(Arguments& arguments);
+  void declare_progress(Arguments& arguments);
+  void declare_report(Arguments& arguments);
   /// Writes `json` to the report's path, if there is one.
   Result<void> write(const std::string& json) const;
 };
+
+/// The steps of a LAS file's coordinates, chosen by hand or by pss.
+struct ScaleChoice {
+  bool automatic = false;  ///< the finest that holds the points
+  std::optional<World3> steps;
+};
+/// "auto", or as parse_scale.
+Result<ScaleChoice> parse_scale_or_auto(std::string_view text);
+
+/// The scale and offset of a LAS output.
+struct GridOptions {
+  ScaleChoice scale;
+  std::optional<World3> offset;
+
+  void declare(Arguments& arguments);
+};
+
+/// Where a job keeps its work, and what becomes of what is there already.
+struct JobOptions {
+  std::string work_dir;  ///< empty: OUTPUT.work
+  bool keep_work = false;
+  bool overwrite = false;
+  bool restart = false;
+
+  void declare(Arguments& arguments);
+};
+
+/// --overwrite alone, for commands that are no jobs.
+void declare_overwrite(Arguments& arguments, bool& overwrite);
 
 }  // namespace pss

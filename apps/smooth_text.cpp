@@ -1,0 +1,79 @@
+#include "apps/smooth_text.h"
+
+#include <fmt/format.h>
+
+#include "apps/progress_view.h"
+#include "core/status.h"
+
+namespace pss {
+
+namespace {
+
+std::string widths_text(const ChosenWidths& widths) {
+  if (widths.nearest > 0)
+    return fmt::format(
+        "radius of each point: {:.4g} x the distance to neighbour {}, at most {:.6g}",
+        widths.factor, widths.nearest, widths.cap);
+  return fmt::format("h {:.6g}, radius {:.6g}", widths.h, widths.radius);
+}
+
+std::string statuses_text(const ProjectStatistics& statistics) {
+  std::string text;
+  for (int code = 0; code < kStatusCount; ++code) {
+    const std::uint64_t count = statistics.statuses[static_cast<std::size_t>(code)];
+    if (count == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", status_name(static_cast<Status>(code)),
+                        grouped(count));
+  }
+  return text;
+}
+
+std::string stages_text(const SmoothReport& report) {
+  return fmt::format("sort {}, spacing {}, smooth {}, write {}", short_time(report.ingest_seconds),
+                     short_time(report.spacing_seconds), short_time(report.smooth_seconds),
+                     short_time(report.write_seconds));
+}
+
+double rate(std::uint64_t points, double seconds) {
+  return seconds > 0 ? static_cast<double>(points) / seconds : 0;
+}
+
+}  // namespace
+
+std::vector<std::string> summary_lines(const SmoothReport& report) {
+  if (report.already_complete) return {fmt::format("{}: already complete", report.output)};
+  std::vector<std::string> lines = report.notes;
+  const ProjectStatistics& statistics = report.statistics;
+  lines.push_back(fmt::format("{}{}", widths_text(report.widths),
+                              report.widths.why.empty() ? "" : ": " + report.widths.why));
+  lines.push_back(fmt::format("neighbours {:.1f} a point; moved by {:.4g} rms, {:.4g} at most",
+                              statistics.mean_neighbours(), statistics.rms_displacement(),
+                              statistics.largest_displacement));
+  lines.push_back("status: " + statuses_text(statistics));
+  lines.push_back(fmt::format("time {} ({}); peak memory {} of {}",
+                              short_time(report.total_seconds), stages_text(report),
+                              short_size(report.peak_memory), short_size(report.memory_limit)));
+  lines.push_back(fmt::format("{}: {} points in {} tiles, {} points/s", report.output,
+                              grouped(report.points_out), grouped(report.tiles),
+                              short_count(rate(report.points_out, report.total_seconds))));
+  return lines;
+}
+
+std::string estimate_text(const SmoothEstimate& estimate) {
+  std::string text;
+  auto line = [&text](const char* what, const std::string& value) {
+    text += fmt::format("{:<16} {}\n", what, value);
+  };
+  line("points", grouped(estimate.points));
+  line("tiles", grouped(estimate.tiles));
+  line("parts", grouped(estimate.parts));
+  line("halo", fmt::format("{:.0f}% of the points", estimate.halo_share * 100));
+  line("peak memory", short_size(estimate.peak_memory));
+  line("disk", short_size(estimate.disk_bytes));
+  line("time", short_time(estimate.seconds));
+  if (estimate.from_store) line("widths", widths_text(estimate.widths));
+  line("known from", estimate.from_store ? "the store: exact" : "the headers: estimated");
+  return text;
+}
+
+}  // namespace pss
