@@ -1,0 +1,210 @@
+#include "stream/store_writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <filesystem>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "stream/bytes.h"
+#include "stream/hash.h"
+#include "stream/store.h"
+
+namespace pss {
+namespace {
+
+bool is_store_file(const std::string& name) {
+  return name.starts_with("manifest") || name.starts_with("segment-");
+}
+
+/// Refuses to remove a directory that holds anything but a store.
+Result<void> check_removable(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) return {};
+  for (std::filesystem::directory_iterator it(path, error), end; !error && it != end;
+       it.increment(error)) {
+    if (!is_store_file(it->path().filename().string()))
+      return Error{Fault::kFailed,
+                   fmt::format("{}: holds {}, which is no part of a store; choose another name",
+                               path, it->path().filename().string())};
+  }
+  if (error) return Error{Fault::kFailed, fmt::format("{}: {}", path, error.message())};
+  return {};
+}
+
+/// The manifests go first: what is left without them is no store.
+Result<void> remove_store(const std::string& path) {
+  PSS_TRY(check_removable(path));
+  if (!exists(path)) return {};
+  PSS_TRY(remove_all(manifest_path(path)));
+  PSS_TRY(remove_all(open_manifest_path(path)));
+  PSS_TRY(sync_directory(path));
+  return remove_all(path);
+}
+
+IndexBox box_of_blocks(std::span<const BlockInfo> blocks) {
+  IndexBox box = blocks[0].box;
+  for (const BlockInfo& block : blocks) box.add(block.box);
+  return box;
+}
+
+std::uint64_t count_rows(std::span<const BlockInfo> blocks) {
+  std::uint64_t rows = 0;
+  for (const BlockInfo& block : blocks) rows += block.count;
+  return rows;
+}
+
+}  // namespace
+
+Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHeader& header,
+                                        std::uint64_t segment_size) {
+  PSS_TRY(remove_store(path));
+  PSS_TRY(make_directories(path));
+  StoreWriter writer;
+  writer.path_ = path;
+  writer.segment_limit_ = segment_size;
+  writer.manifest_.header = header;
+  writer.manifest_.has_header = true;
+  PSS_ASSIGN(LogWriter log, LogWriter::create(open_manifest_path(path),
+                                              static_cast<std::uint32_t>(RecordType::kHeader),
+                                              encode_header(header)));
+  writer.log_ = std::move(log);
+  PSS_TRY(sync_directory(directory_of(path)));
+  return writer;
+}
+
+Result<StoreWriter> StoreWriter::resume(const std::string& path, const StoreHeader& header,
+                                        std::uint64_t segment_size) {
+  StoreWriter writer;
+  writer.path_ = path;
+  writer.segment_limit_ = segment_size;
+  const bool finished = exists(manifest_path(path));
+  PSS_TRY(writer.open_manifest(finished ? manifest_path(path) : open_manifest_path(path)));
+  if (!writer.manifest_.has_header || writer.manifest_.header != header)
+    return Error{Fault::kFailed,
+                 fmt::format("{}: was made from other inputs or parameters; remove it or choose "
+                             "another name",
+                             path)};
+  if (finished) return writer;
+  PSS_TRY(writer.cut_segments());
+  // Killed between the end record and the rename.
+  if (writer.complete()) PSS_TRY(writer.rename_manifest());
+  return writer;
+}
+
+Result<void> StoreWriter::open_manifest(const std::string& name) {
+  const auto visit = [&](const LogRecord& record) { return manifest_.add(name, record); };
+  if (name == manifest_path(path_)) {
+    PSS_TRY(read_log(name, Tail::kWhole, visit));
+    if (manifest_.complete) return {};
+    return Error{Fault::kBadInput, fmt::format("{}: damaged: the end record is missing", name)};
+  }
+  PSS_ASSIGN(LogWriter log, LogWriter::open(name, visit));
+  log_ = std::move(log);
+  recorded_ = manifest_.tiles.size();
+  return {};
+}
+
+/// Removes what no record speaks of: the end of the last segment, and segments after it.
+Result<void> StoreWriter::cut_segments() {
+  std::uint32_t extra = 0;
+  if (!manifest_.tiles.empty()) {
+    const TileInfo& last = manifest_.tiles.back();
+    PSS_ASSIGN(File file, File::open_or_create(segment_path(path_, last.segment)));
+    PSS_ASSIGN(const std::uint64_t size, file.size());
+    segment_number_ = last.segment;
+    segment_size_ = last.offset + last.size;
+    if (size < segment_size_)
+      return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: {} bytes found, {} "
+                                                 "expected",
+                                                 file.path(), size, size, segment_size_)};
+    PSS_TRY(file.truncate(segment_size_));
+    segment_ = std::move(file);
+    extra = last.segment + 1;
+  }
+  for (; exists(segment_path(path_, extra)); ++extra)
+    PSS_TRY(remove_all(segment_path(path_, extra)));
+  return {};
+}
+
+Result<void> StoreWriter::next_segment() {
+  // Order: the full segment is on the disk, and the new one's name, before any record speaks of it.
+  if (segment_) PSS_TRY(segment_->sync());
+  segment_number_ = manifest_.tiles.empty() ? 0 : manifest_.tiles.back().segment + 1;
+  segment_size_ = 0;
+  PSS_ASSIGN(File file, File::create(segment_path(path_, segment_number_)));
+  segment_ = std::move(file);
+  return sync_directory(path_);
+}
+
+Result<void> StoreWriter::append(const EncodedBlock& block) {
+  assert(!complete() && block.count > 0);
+  if (!segment_ || (blocks_.empty() && segment_size_ >= segment_limit_)) PSS_TRY(next_segment());
+  PSS_TRY(segment_->write(segment_size_, block.bytes));
+  BlockInfo& info = blocks_.emplace_back();
+  info.count = block.count;
+  info.box = block.box;
+  info.columns = block.columns;
+  for (ColumnInfo& column : info.columns) column.offset += segment_size_;
+  segment_size_ += block.bytes.size();
+  return {};
+}
+
+Result<void> StoreWriter::commit_tile(const Cell& cell, std::vector<std::byte> note,
+                                      bool sync_now) {
+  assert(!blocks_.empty());
+  const auto index = encode_index(blocks_);
+  PSS_TRY(segment_->write(segment_size_, index));
+  segment_size_ += index.size();
+  TileInfo tile;
+  tile.cell = cell;
+  tile.first_row = manifest_.points();
+  tile.count = count_rows(blocks_);
+  assert(tile.count <= manifest_.header.tile_points);
+  tile.box = box_of_blocks(blocks_);
+  tile.blocks = static_cast<std::uint32_t>(blocks_.size());
+  tile.segment = segment_number_;
+  tile.offset = blocks_[0].columns[0].offset;
+  tile.size = segment_size_ - tile.offset;
+  tile.index_size = static_cast<std::uint32_t>(index.size());
+  tile.index_hash = hash64(index);
+  tile.note = std::move(note);
+  unsynced_bytes_ += tile.size;
+  manifest_.tiles.push_back(std::move(tile));
+  blocks_.clear();
+  return sync_now ? sync() : Result<void>();
+}
+
+Result<void> StoreWriter::sync() {
+  if (recorded_ == manifest_.tiles.size()) return {};
+  // Order: points before the records that speak of them. Otherwise a power cut could leave a
+  // record whose tile is not on the disk.
+  PSS_TRY(segment_->sync());
+  for (; recorded_ < manifest_.tiles.size(); ++recorded_)
+    PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kTile),
+                         encode_tile(manifest_.tiles[recorded_])));
+  unsynced_bytes_ = 0;
+  return log_->sync();
+}
+
+Result<void> StoreWriter::finish(const std::string& summary) {
+  assert(!complete() && blocks_.empty());
+  PSS_TRY(sync());
+  PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kEnd),
+                       encode_end(manifest_.tiles.size(), manifest_.points(), summary)));
+  PSS_TRY(log_->sync());
+  manifest_.complete = true;
+  manifest_.summary = summary;
+  return rename_manifest();
+}
+
+/// From here on the manifest has no torn tail: anything odd in it is damage.
+Result<void> StoreWriter::rename_manifest() {
+  log_.reset();
+  return rename_file(open_manifest_path(path_), manifest_path(path_));
+}
+
+}  // namespace pss
