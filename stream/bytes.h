@@ -26,7 +26,9 @@ class ByteWriter {
 
   /// Bytes without their length.
   void raw(std::span<const std::byte> bytes) {
-    out_.insert(out_.end(), bytes.begin(), bytes.end());
+    const std::size_t start = out_.size();
+    out_.resize(start + bytes.size());
+    if (!bytes.empty()) std::memcpy(out_.data() + start, bytes.data(), bytes.size());
   }
   /// A length of 4 bytes, then the bytes.
   void bytes(std::span<const std::byte> bytes) {

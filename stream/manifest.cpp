@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <limits>
-
 #include "io/file.h"
 #include "stream/block.h"
 #include "stream/bytes.h"
@@ -12,134 +9,9 @@
 namespace pss {
 namespace {
 
-constexpr std::uint32_t kFormatVersion = 1;
-
-void put(ByteWriter& w, const Lattice& lattice) {
-  for (const double s : lattice.scale) w.put(s);
-  for (const double o : lattice.origin) w.put(o);
-}
-
-Lattice get_lattice(ByteReader& r) {
-  Lattice lattice;
-  for (double& s : lattice.scale) s = r.get<double>();
-  for (double& o : lattice.origin) o = r.get<double>();
-  for (const double s : lattice.scale)
-    if (!(s > 0) || !std::isfinite(s)) r.fail();
-  for (const double o : lattice.origin)
-    if (!std::isfinite(o)) r.fail();
-  return lattice;
-}
-
-void put(ByteWriter& w, const Field& field) {
-  w.text(field.name);
-  w.put(static_cast<std::uint8_t>(field.type));
-  w.put(field.count);
-  w.put(field.scale);
-  w.put(field.offset);
-  w.put(static_cast<std::uint32_t>(field.bits.size()));
-  for (const BitField& bits : field.bits) {
-    w.text(bits.name);
-    w.put(bits.shift);
-    w.put(bits.width);
-  }
-}
-
-Field get_field(ByteReader& r) {
-  Field field;
-  field.name = r.text();
-  const auto type = r.get<std::uint8_t>();
-  if (type > static_cast<std::uint8_t>(Type::kFloat64)) return r.fail(), field;
-  field.type = static_cast<Type>(type);
-  field.count = r.get<std::uint32_t>();
-  if (field.count == 0 || field.count > kMaxRowSize) return r.fail(), field;
-  field.scale = r.get<double>();
-  field.offset = r.get<double>();
-  const std::size_t bits = r.count(6);
-  for (std::size_t i = 0; i < bits && r.ok(); ++i) {
-    BitField& b = field.bits.emplace_back();
-    b.name = r.text();
-    b.shift = r.get<std::uint8_t>();
-    b.width = r.get<std::uint8_t>();
-    if (b.width == 0 || b.shift + b.width > 8 * size_of(field.type) || is_float(field.type))
-      r.fail();
-  }
-  return field;
-}
-
-void put(ByteWriter& w, const Schema& schema) {
-  w.put(static_cast<std::uint32_t>(schema.fields().size()));
-  for (const Field& field : schema.fields()) put(w, field);
-}
-
-Schema get_schema(ByteReader& r) {
-  const std::size_t count = r.count(29);
-  std::vector<Field> fields;
-  std::size_t row_size = 0;
-  for (std::size_t i = 0; i < count && r.ok(); ++i) {
-    fields.push_back(get_field(r));
-    row_size += fields.back().size();
-    if (row_size > kMaxRowSize) r.fail();
-  }
-  return r.ok() ? Schema(std::move(fields)) : Schema();
-}
-
-void put(ByteWriter& w, const Carry& carry) {
-  w.put(static_cast<std::uint8_t>(carry.format));
-  w.bytes(carry.head);
-  w.bytes(carry.tail);
-}
-
-Format get_format(ByteReader& r) {
-  const auto format = r.get<std::uint8_t>();
-  if (format > static_cast<std::uint8_t>(Format::kText)) return r.fail(), Format::kLas;
-  return static_cast<Format>(format);
-}
-
 std::vector<std::byte> get_bytes(ByteReader& r) {
   const auto bytes = r.bytes();
   return {bytes.begin(), bytes.end()};
-}
-
-Carry get_carry(ByteReader& r) {
-  Carry carry;
-  carry.format = get_format(r);
-  carry.head = get_bytes(r);
-  carry.tail = get_bytes(r);
-  return carry;
-}
-
-void put(ByteWriter& w, const InputRecord& input) {
-  w.text(input.path);
-  w.put(input.size);
-  w.put(input.modified_ns);
-  w.put(input.content_hash);
-}
-
-InputRecord get_input(ByteReader& r) {
-  InputRecord input;
-  input.path = r.text();
-  input.size = r.get<std::uint64_t>();
-  input.modified_ns = r.get<std::int64_t>();
-  input.content_hash = r.get<std::uint64_t>();
-  return input;
-}
-
-/// After the format version.
-StoreHeader get_header(ByteReader& r) {
-  StoreHeader h;
-  h.lattice = get_lattice(r);
-  h.schema = get_schema(r);
-  h.tile_points = r.get<std::uint32_t>();
-  if (h.tile_points == 0) r.fail();
-  h.ordered = r.get<std::uint8_t>() != 0;
-  if (r.get<std::uint8_t>() != 0) h.grid = get_lattice(r);
-  h.carry = get_carry(r);
-  h.source_format = get_format(r);
-  h.crs = r.text();
-  const std::size_t inputs = r.count(28);
-  for (std::size_t i = 0; i < inputs && r.ok(); ++i) h.inputs.push_back(get_input(r));
-  h.parameters = r.text();
-  return h;
 }
 
 void put(ByteWriter& w, const IndexBox& box) {
@@ -202,15 +74,7 @@ Error damaged(const std::string& path, std::uint64_t offset, const std::string& 
 }
 
 Result<void> add_header(Manifest& m, const std::string& path, const LogRecord& record) {
-  ByteReader reader(record.payload);
-  const auto version = reader.get<std::uint32_t>();
-  if (version != kFormatVersion)
-    return Error{Fault::kBadInput,
-                 fmt::format("{}: store format version {} found, this program reads version {}; "
-                             "make the store anew from its inputs",
-                             path, version, kFormatVersion)};
-  m.header = get_header(reader);
-  if (!reader.finished()) return damaged(path, record.offset, "the header record makes no sense");
+  PSS_ASSIGN(m.header, decode_header(path, record.offset, record.payload));
   m.has_header = true;
   return {};
 }
@@ -243,25 +107,6 @@ Result<void> add_end(Manifest& m, const std::string& path, const LogRecord& reco
 }
 
 }  // namespace
-
-std::vector<std::byte> encode_header(const StoreHeader& header) {
-  std::vector<std::byte> out;
-  ByteWriter w(out);
-  w.put(kFormatVersion);
-  put(w, header.lattice);
-  put(w, header.schema);
-  w.put(header.tile_points);
-  w.put<std::uint8_t>(header.ordered);
-  w.put<std::uint8_t>(header.grid.has_value());
-  if (header.grid) put(w, *header.grid);
-  put(w, header.carry);
-  w.put(static_cast<std::uint8_t>(header.source_format));
-  w.text(header.crs);
-  w.put(static_cast<std::uint32_t>(header.inputs.size()));
-  for (const InputRecord& input : header.inputs) put(w, input);
-  w.text(header.parameters);
-  return out;
-}
 
 std::vector<std::byte> encode_tile(const TileInfo& tile) {
   std::vector<std::byte> out;

@@ -65,7 +65,13 @@ struct TileInfo {
 
 enum class RecordType : std::uint32_t { kHeader = 1, kTile = 2, kEnd = 3 };
 
+/// The version of the format that this program writes and reads.
+inline constexpr std::uint32_t kStoreVersion = 1;
+
 std::vector<std::byte> encode_header(const StoreHeader& header);
+/// The header of a record at `offset` of the manifest `path`. Errors: kBadInput.
+Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
+                                  std::span<const std::byte> payload);
 std::vector<std::byte> encode_tile(const TileInfo& tile);  ///< without first_row, which follows
 std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points,
                                   const std::string& summary);
