@@ -130,6 +130,39 @@ class Las:
             yield tuple(o + s * v for o, s, v in zip(self.offset, self.scale, raw))
 
 
+class Ply:
+    """The vertices of a PLY file without lists in them."""
+
+    CODES = {"char": "b", "int8": "b", "uchar": "B", "uint8": "B", "short": "h", "int16": "h",
+             "ushort": "H", "uint16": "H", "int": "i", "int32": "i", "uint": "I", "uint32": "I",
+             "float": "f", "float32": "f", "double": "d", "float64": "d"}
+
+    def __init__(self, path):
+        head, _, body = pathlib.Path(path).read_bytes().partition(b"end_header")
+        body = body.split(b"\n", 1)[1]
+        lines = [line.split() for line in head.decode("latin1").splitlines()]
+        at = next(i for i, words in enumerate(lines) if words[:2] == ["element", "vertex"])
+        self.count = int(lines[at][2])
+        ends = [i for i, words in enumerate(lines) if words[:1] == ["element"] and i > at]
+        fields = [words for words in lines[at : (ends or [None])[0]] if words[:1] == ["property"]]
+        self.names = [words[2] for words in fields]
+        codes = "".join(self.CODES[words[1]] for words in fields)
+        encoding = next(words[1] for words in lines if words[:1] == ["format"])
+        if encoding == "ascii":
+            rows = [map(float, line.split()) for line in body.split(b"\n")[: self.count]]
+            narrow = [struct.Struct("<" + code) for code in codes]
+            self.rows = [tuple(n.unpack(n.pack(v if n.format[-1] in "fd" else int(v)))[0]
+                               for n, v in zip(narrow, row)) for row in rows]
+        else:
+            row = struct.Struct(("<" if "little" in encoding else ">") + codes)
+            self.rows = [row.unpack_from(body, i * row.size) for i in range(self.count)]
+
+    def others(self):
+        """The values besides x, y, z of every vertex, counted."""
+        keep = [i for i, name in enumerate(self.names) if name not in ("x", "y", "z")]
+        return collections.Counter(tuple(row[i] for i in keep) for row in self.rows)
+
+
 def write_las(path, records, scale=0.001, offset=(0.0, 0.0, 0.0), point_format=0):
     """A LAS 1.2 file of raw records, each with its x, y, z as integers in front."""
     size = {0: 20, 1: 28, 2: 26, 3: 34}[point_format]

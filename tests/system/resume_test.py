@@ -1,0 +1,104 @@
+"""Killed, interrupted, changed, run twice: the same command ends with the same bytes."""
+
+import os
+import random
+import signal
+import time
+
+import harness
+from harness import FAILED, INTERRUPTED, SystemTest
+
+POINTS = int(os.environ.get("PSS_RESUME_POINTS", 300000))
+KILLS = int(os.environ.get("PSS_RESUME_KILLS", 20))
+TILE = max(2000, POINTS // 100)
+
+
+class Resume(SystemTest):
+    def setUp(self):
+        super().setUp()
+        self.scan = self.synth("scan.las", "--scans", "3", "--noise", "0.2", points=POINTS)
+        self.out = self.path("out.las")
+
+    def words(self, out, *more):
+        return ["smooth", self.scan, "-o", out, "--tile-points", TILE, "--radius",
+                self.radius(), "--progress", "none", "--memory-limit", "192M", *more]
+
+    def radius(self):
+        """Three spacings of the default torus: quick, and many tiles meet."""
+        return 3 * (4 * 3.14159265**2 * 1.0 * 0.4 / POINTS) ** 0.5 * 1.5
+
+    def start_and_wait_for_tiles(self):
+        """A job that has begun to write its result, stopped by nothing yet."""
+        process = harness.start(*self.words(self.out))
+        deadline = time.monotonic() + 120
+        while not (self.path("out.las.work") / "result.pss").exists():
+            self.assertIsNone(process.poll(), "ended before it could be interrupted")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        return process
+
+    def test_kill_at_any_moment(self):
+        whole = self.ok(*self.words(self.path("whole.las")))
+        expected = harness.sha256(self.path("whole.las"))
+        rng = random.Random(11)
+        kills = completions = 0
+        while kills < KILLS or completions == 0:
+            job = harness.start(*self.words(self.out, "--threads", rng.choice([1, 2])))
+            if kills < KILLS:
+                time.sleep(rng.uniform(0, whole.seconds / 2))
+                job.kill()
+            run = harness.finish(job)
+            if run.code == -signal.SIGKILL:
+                kills += 1
+                continue
+            self.assertEqual(run.code, 0, run.err)
+            self.assertEqual(harness.sha256(self.out), expected)
+            completions += 1
+            self.out.unlink()
+        print(f"{kills} kills, {completions} completions, same SHA-256")
+
+    def test_signals_end_it_within_seconds_and_it_goes_on(self):
+        self.ok(*self.words(self.path("whole.las")))
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number):
+                job = self.start_and_wait_for_tiles()
+                job.send_signal(number)
+                began = time.monotonic()
+                run = harness.finish(job)
+                self.assertLess(time.monotonic() - began, 2)
+                self.assertEqual(run.code, INTERRUPTED, run.err)
+                self.assertIn(f"smooth {self.scan} -o {self.out}", run.err)
+                self.assertFalse(self.out.exists())
+                self.ok(*self.words(self.out, "--memory-limit", "256M"))
+                self.assertEqual(harness.sha256(self.out),
+                                 harness.sha256(self.path("whole.las")))
+                self.out.unlink()
+
+    def test_a_second_process_is_refused_and_a_dead_holder_is_not_in_the_way(self):
+        job = self.start_and_wait_for_tiles()
+        job.send_signal(signal.SIGSTOP)
+        self.refused(FAILED, *self.words(self.out), says=[job.pid])
+        job.kill()
+        harness.finish(job)
+        self.ok(*self.words(self.out))
+
+    def test_other_parameters_or_inputs_are_refused_by_name_until_restart(self):
+        job = self.start_and_wait_for_tiles()
+        job.kill()
+        harness.finish(job)
+        self.refused(FAILED, *self.words(self.out, "--degree", "1"), says=["degree", "--restart"])
+        os.utime(self.scan, ns=(1, 1))
+        self.refused(FAILED, *self.words(self.out), says=["scan.las", "--restart"])
+        self.ok(*self.words(self.out, "--degree", "1", "--restart"))
+
+    def test_info_tells_how_far_a_job_is(self):
+        job = self.start_and_wait_for_tiles()
+        job.kill()
+        harness.finish(job)
+        table = self.ok("info", self.path("out.las.work")).out
+        self.assertRegex(table, r"stage +smooth")
+        self.assertRegex(table, r"tiles_done +\d+")
+
+
+if __name__ == "__main__":
+    harness.main()

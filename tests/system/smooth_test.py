@@ -1,0 +1,178 @@
+"""pss smooth: what it keeps, what it says, and one result whatever it runs with."""
+
+import collections
+import json
+import random
+import struct
+
+import harness
+from harness import DATA, FAILED, MEMORY_LIMIT, USAGE, Las, SystemTest, needs_data
+
+MIB = 1 << 20
+
+
+@needs_data
+class RealScans(SystemTest):
+    def keeps_all_but_coordinates(self, name):
+        out, report = self.path("out.las"), self.path("report.json")
+        run = self.ok("smooth", DATA / "scans" / name, "-o", out, "--memory-limit", "128M",
+                      "--report", report)
+        self.assertLess(run.peak_bytes, 128 * MIB)
+        before, after = Las(DATA / "scans" / name), Las(out)
+        self.assertEqual(after.count, before.count)
+        self.assertEqual(after.after_xyz(), before.after_xyz())
+        self.assertEqual(after.vlrs, before.vlrs)
+        self.assertEqual((after.scale, after.offset), (before.scale, before.offset))
+        self.assertEqual((after.version, after.point_format), (before.version, before.point_format))
+        self.assertEqual(harness.read_json(report)["points_out"], before.count)
+        self.assertNotEqual(sorted(after.positions()), sorted(before.positions()))
+
+    def test_las_point_format_0(self):
+        self.keeps_all_but_coordinates("haystack_rock_pf0.las")
+
+    def test_las_point_format_3(self):
+        self.keeps_all_but_coordinates("autzen_trim.las")
+
+    def test_las_point_format_7(self):
+        self.keeps_all_but_coordinates("autzen_trim_pf7.las")
+
+    def test_ply_keeps_every_property(self):
+        for name in ("bunny_ascii.ply", "pond_binary_normals_rgb.ply"):
+            with self.subTest(name):
+                out = self.path(name)
+                self.ok("smooth", DATA / "scans" / name, "-o", out)
+                before = harness.Ply(DATA / "scans" / name)
+                after = harness.Ply(out)
+                self.assertEqual(after.names, before.names)
+                self.assertEqual(after.others(), before.others())
+
+
+class OneResult(SystemTest):
+    """The SHA-256 of the written file depends on the points and the parameters alone."""
+
+    def setUp(self):
+        super().setUp()
+        self.scan = self.synth("scan.las", "--scans", "3", "--noise", "0.2", points=60000)
+        self.expected = self.hash_of("expected.las", self.scan)
+
+    def hash_of(self, name, scan, *words):
+        out = self.path(name)
+        self.ok("smooth", scan, "-o", out, "--outputs", "all", *words)
+        return harness.sha256(out)
+
+    def test_whatever_the_threads(self):
+        self.assertEqual(self.hash_of("1.las", self.scan, "--threads", 1), self.expected)
+        self.assertEqual(self.hash_of("2.las", self.scan, "--threads", 2), self.expected)
+
+    def test_whatever_the_tile_size(self):
+        for size in (500, 4000, 20000, 1000000):
+            self.assertEqual(self.hash_of(f"{size}.las", self.scan, "--tile-points", size),
+                             self.expected, size)
+
+    def test_whatever_the_memory_limit(self):
+        for limit in ("128M", "200M", "1G"):
+            self.assertEqual(self.hash_of(f"{limit}.las", self.scan, "--memory-limit", limit),
+                             self.expected, limit)
+
+    def test_whatever_the_order_of_the_input(self):
+        las = Las(self.scan)
+        records = [las.record(number) for number in range(las.count)]
+        random.Random(3).shuffle(records)
+        shuffled = self.path("shuffled.las")
+        shuffled.write_bytes(las.header + las.vlrs + b"".join(records) + las.tail)
+        self.assertEqual(self.hash_of("shuffled_out.las", shuffled), self.expected)
+
+    def test_through_a_store(self):
+        store, result, out = self.path("a.pss"), self.path("b.pss"), self.path("c.las")
+        self.ok("tile", self.scan, "-o", store)
+        self.assertEqual(self.hash_of("store.las", store), self.expected)
+        self.ok("smooth", store, "-o", result, "--outputs", "all")
+        self.ok("verify", result)
+        self.ok("export", result, "-o", out)
+        self.assertEqual(harness.sha256(out), self.expected)
+
+
+class Words(SystemTest):
+    def setUp(self):
+        super().setUp()
+        self.scan = self.synth("scan.las", "--noise", "0.2")
+        self.out = self.path("out.las")
+
+    def test_dry_run_prints_and_writes_nothing(self):
+        run = self.ok("smooth", self.scan, "-o", self.out, "--dry-run")
+        self.assertRegex(run.out, r"tiles +\d")
+        self.assertRegex(run.out, r"peak memory +\d")
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["scan.las"])
+
+    def test_progress_in_json_is_json_and_never_goes_back(self):
+        run = self.ok("smooth", self.scan, "-o", self.out, "--progress", "json")
+        points = collections.defaultdict(list)
+        for line in map(json.loads, run.err.splitlines()):
+            if line["event"] == "progress":
+                points[line["stage"]].append(line["points"])
+        self.assertGreaterEqual(len(points), 3)
+        for counts in points.values():
+            self.assertEqual(counts, sorted(counts))
+        self.assertEqual(run.out, "")
+
+    def test_the_report_accounts_for_every_point(self):
+        report = self.path("report.json")
+        self.ok("smooth", self.scan, "-o", self.out, "--report", report)
+        facts = harness.read_json(report)
+        self.assertEqual(facts["points_in"], 20000)
+        self.assertEqual(facts["points_out"], 20000)
+        self.assertEqual(sum(facts["status"].values()), 20000)
+
+    def test_an_identical_finished_job_is_already_complete(self):
+        self.ok("smooth", self.scan, "-o", self.out)
+        before = self.out.stat().st_mtime_ns
+        run = self.ok("smooth", self.scan, "-o", self.out)
+        self.assertIn("already complete", run.err)
+        self.assertEqual(self.out.stat().st_mtime_ns, before)
+
+    def test_little_stays_of_the_work_directory(self):
+        self.ok("smooth", self.scan, "-o", self.out)
+        work = self.path("out.las.work")
+        size = sum(p.stat().st_size for p in work.rglob("*")) if work.exists() else 0
+        self.assertLess(size, 20000)
+
+    def test_keep_work_keeps_the_stores(self):
+        self.ok("smooth", self.scan, "-o", self.out, "--keep-work")
+        self.assertTrue(list(self.path("out.las.work").glob("*.pss")))
+
+    def test_an_existing_output_is_refused_until_overwrite(self):
+        self.out.write_bytes(b"precious")
+        self.refused(FAILED, "smooth", self.scan, "-o", self.out, says=["out.las", "--overwrite"])
+        self.assertEqual(self.out.read_bytes(), b"precious")
+        self.ok("smooth", self.scan, "-o", self.out, "--overwrite")
+        self.assertEqual(Las(self.out).count, 20000)
+
+    def test_a_limit_that_is_too_small_is_4_with_the_one_that_would_do(self):
+        run = self.refused(MEMORY_LIMIT, "smooth", self.scan, "-o", self.out, "--memory-limit",
+                           "10M")
+        self.assertRegex(run.err, r"at least \d+")
+
+    def test_parameters_that_make_no_sense_are_2(self):
+        for words in (["--radius", "1", "--h", "2"], ["--radius", "0"], ["--degree", "5"],
+                      ["--outputs", "beauty"], ["--knn", "0"], ["--operator", "pcl"],
+                      ["--memory-limit", "lots"], ["--radius", "1", "--buffer", "0.5"]):
+            with self.subTest(words):
+                self.refused(USAGE, "smooth", self.scan, "-o", self.out, *words)
+        self.assertFalse(self.out.exists())
+
+    def test_no_points_give_a_valid_empty_file(self):
+        harness.write_las(self.path("none.las"), [])
+        self.ok("smooth", self.path("none.las"), "-o", self.out)
+        self.assertEqual(Las(self.out).count, 0)
+
+    def test_one_point_and_equal_points_stay_where_they_are(self):
+        for count in (1, 1000):
+            records = [struct.pack("<3i", 5, 6, 7) + bytes(8)] * count
+            harness.write_las(self.path(f"{count}.las"), records)
+            out = self.path(f"out{count}.las")
+            self.ok("smooth", self.path(f"{count}.las"), "-o", out)
+            self.assertEqual(Las(out).records, b"".join(records))
+
+
+if __name__ == "__main__":
+    harness.main()
