@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kChunkPoints = 256;  ///< what one task computes
 constexpr int kMostRefinement = 256;
+/// A cell grid wants some width, also where no point looks around.
+constexpr double kSmallestReach = std::numeric_limits<double>::min();
 
 /// Consecutive own points of one block.
 struct Chunk {
@@ -100,7 +102,7 @@ std::optional<double> ProjectOperator::prepare(Part& part) const {
   part.supports.assign(part.own.size(), Support{});
   const double loaded = part.range.reach;
   const double cap = std::min(parameters_.cap, loaded);
-  const CellGrid grid(source_lattice_, part.candidates, loaded);
+  const CellGrid grid(source_lattice_, part.candidates, std::max(loaded, kSmallestReach));
   const std::size_t chunk_count = (part.own.size() + kChunkPoints - 1) / kChunkPoints;
   std::vector<double> needed(chunk_count, 0);
   parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
@@ -126,7 +128,7 @@ std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& 
   std::vector<ProjectStatistics> statistics(chunks.size());
   const double usual =
       parameters_.nearest ? reach(support_at(parameters_.first_guess)) : reach(parameters_.support);
-  const CellGrid grid(source_lattice_, part.candidates, usual);
+  const CellGrid grid(source_lattice_, part.candidates, std::max(usual, kSmallestReach));
   parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
     Offsets neighbours;
     for (std::size_t c = begin; c < end && !monitor.stopping(); ++c) {
@@ -136,7 +138,7 @@ std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& 
         if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()])) {
           projection.status = Status::kExcluded;
         } else if (support.radius <= 0) {
-          projection.status = Status::kIsolated;
+          projection.status = parameters_.nearest ? Status::kIsolated : Status::kTooFew;
         } else {
           grid.gather({part.own[i], {}}, reach(support), neighbours);
           projection = project_levin(neighbours, support, parameters_.degree);

@@ -13,17 +13,14 @@
 #include "stream/outputs.h"
 #include "stream/project_statistics.h"
 #include "stream/scheduler.h"
-#include "stream/spacing.h"
+#include "stream/widths.h"
 
 namespace pss {
 
 /// What the user asked for; what is empty is chosen and explained in the report.
 struct SmoothOptions {
   // What the result depends on.
-  std::optional<double> radius;
-  std::optional<double> h;
-  std::optional<int> knn;
-  int degree = 3;
+  WidthOptions widths;
   OutputSet outputs = 0;
   std::optional<double> buffer;
   bool allow_inexact = false;
@@ -42,17 +39,6 @@ struct SmoothJob {
   std::vector<std::string> inputs;  ///< files, or one store
   std::string output;               ///< a file, or NAME.pss to keep the store
   SmoothOptions options;
-};
-
-/// The widths that a job uses, and why.
-struct ChosenWidths {
-  double radius = 0;  ///< 0 where each point owns its own
-  double h = 0;
-  int nearest = 0;                 ///< each point's radius follows from this many neighbours
-  double cap = 0;                  ///< of the distance to them
-  double factor = 1;               ///< radius / that distance
-  std::string why;                 ///< a sentence for the report
-  std::optional<Spacing> spacing;  ///< where it was measured
 };
 
 /// All that a run has to tell.

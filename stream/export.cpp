@@ -1,0 +1,126 @@
+#include "stream/export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "io/writer.h"
+
+namespace pss {
+namespace {
+
+/// The part of the int32 range that a chosen grid fills at most.
+constexpr double kUsableSteps = 2.0e9;
+
+double power_of_ten(int exponent) {
+  double power = 1;
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
+  return exponent < 0 ? 1 / power : power;
+}
+
+/// The finest power of ten that holds `half` steps to either side.
+double finest_scale(double half) {
+  int exponent = -12;
+  while (half / power_of_ten(exponent) > kUsableSteps && exponent < 300) ++exponent;
+  return power_of_ten(exponent);
+}
+
+/// A grid about the centre of `bounds`: offset in whole units, the finest decimal scale that fits.
+Lattice chosen_grid(const WorldBox& bounds, double margin) {
+  Lattice grid;
+  double half = 0;
+  for (std::size_t a = 0; a < 3 && !bounds.empty(); ++a) {
+    grid.origin[a] = std::nearbyint(bounds.min[a] / 2 + bounds.max[a] / 2);
+    half = std::max({half, bounds.max[a] - grid.origin[a], grid.origin[a] - bounds.min[a]});
+  }
+  const double scale = finest_scale(half + margin);
+  grid.scale = {scale, scale, scale};
+  return grid;
+}
+
+WorldBox world_bounds(const Lattice& lattice, const IndexBox& bounds) {
+  WorldBox world;
+  if (bounds.empty()) return world;
+  world.add(to_world(lattice, bounds.min));
+  world.add(to_world(lattice, bounds.max));
+  return world;
+}
+
+WriteOptions write_options(const Store& store, Format format, const ExportOptions& options) {
+  const StoreHeader& header = store.header();
+  WriteOptions write;
+  write.format = format;
+  write.schema = header.schema;
+  write.grid = header.lattice;
+  write.count = store.points();
+  write.carry = header.carry;
+  write.bounds = world_bounds(header.lattice, bounds_of(store));
+  write.overwrite = options.overwrite;
+  const auto grid = export_grid(header, bounds_of(store), 0, format, options);
+  if (grid) {
+    write.scale = grid->scale;
+    write.offset = grid->origin;
+  }
+  return write;
+}
+
+/// Copies one block of a store to a writer.
+Result<void> write_block(const Store& store, const TileInfo& tile, const BlockInfo& block,
+                         PointBatch& batch, Writer& writer) {
+  batch.first_record = block.first_row;
+  batch.index.resize(block.count);
+  batch.rows.resize(block.count * store.header().schema.row_size());
+  PSS_TRY(store.read_positions(tile, block, batch.index));
+  PSS_TRY(store.read_rows(tile, block, batch.rows));
+  return writer.write(batch);
+}
+
+}  // namespace
+
+IndexBox bounds_of(const Store& store) {
+  IndexBox bounds;
+  for (const TileInfo& tile : store.tiles()) bounds.add(tile.box);
+  return bounds;
+}
+
+std::optional<Lattice> export_grid(const StoreHeader& header, const IndexBox& bounds, double margin,
+                                   Format format, const ExportOptions& options) {
+  if (format != Format::kLas) return std::nullopt;
+  Lattice grid = header.grid && !options.scale_auto
+                     ? *header.grid
+                     : chosen_grid(world_bounds(header.lattice, bounds), margin);
+  if (options.scale) grid.scale = *options.scale;
+  if (options.offset) grid.origin = *options.offset;
+  return grid;
+}
+
+Result<ExportSummary> export_store(const Store& store, const std::string& output,
+                                   const ExportOptions& options, MemoryBudget& budget,
+                                   Monitor& monitor) {
+  if (!store.complete())
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: the store is not complete; run the command that makes it again",
+                             store.path())};
+  const auto memory =
+      budget.reserve(4 * kBlockPoints * (64 + 2 * store.header().schema.row_size()));
+  PSS_ASSIGN(const Format format, format_for(output));
+  PSS_ASSIGN(const std::unique_ptr<Writer> writer,
+             create_writer(output, write_options(store, format, options)));
+  monitor.begin("write", store.points(), store.tiles().size());
+  PointBatch batch;
+  for (std::size_t t = 0; t < store.tiles().size(); ++t) {
+    PSS_ASSIGN(const std::vector<BlockInfo> index, store.read_index(t));
+    for (const BlockInfo& block : index) {
+      if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
+      PSS_TRY(write_block(store, store.tiles()[t], block, batch, *writer));
+      monitor.advance(block.count);
+    }
+    monitor.advance(0, 1);
+  }
+  PSS_TRY(writer->finish());
+  return ExportSummary{store.points(), writer->grid(), writer->notes()};
+}
+
+}  // namespace pss

@@ -1,0 +1,185 @@
+#include "stream/job.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "stream/fingerprint.h"
+
+namespace pss {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint64_t kLargestRecord = 64u << 20;
+
+std::string record_path(const std::string& work_dir) { return work_dir + "/job.json"; }
+std::string lock_path(const std::string& work_dir) { return work_dir + "/lock"; }
+
+json to_json(const InputRecord& record) {
+  return {{"path", record.path},
+          {"size", record.size},
+          {"modified_ns", record.modified_ns},
+          {"content_hash", record.content_hash}};
+}
+
+InputRecord input_from(const json& j) {
+  return {j.at("path").get<std::string>(), j.at("size").get<std::uint64_t>(),
+          j.at("modified_ns").get<std::int64_t>(), j.at("content_hash").get<std::uint64_t>()};
+}
+
+std::string to_text(const JobRecord& record) {
+  json inputs = json::array();
+  for (const InputRecord& input : record.inputs) inputs.push_back(to_json(input));
+  json j = {{"format", 1},
+            {"command", record.command},
+            {"output", record.output},
+            {"parameters", json::parse(record.parameters)},
+            {"inputs", inputs},
+            {"complete", record.complete}};
+  if (record.result) j["result"] = to_json(*record.result);
+  return j.dump(1) + "\n";
+}
+
+JobRecord record_from(const json& j) {
+  JobRecord record;
+  record.command = j.at("command").get<std::string>();
+  record.output = j.at("output").get<std::string>();
+  record.parameters = j.at("parameters").dump();
+  for (const json& input : j.at("inputs")) record.inputs.push_back(input_from(input));
+  record.complete = j.at("complete").get<bool>();
+  if (j.contains("result")) record.result = input_from(j.at("result"));
+  return record;
+}
+
+Error other_job(const std::string& work_dir, const std::string& difference) {
+  return {Fault::kFailed,
+          fmt::format("{}: holds another job: {}; use --restart to discard it, or another "
+                      "--work-dir",
+                      work_dir, difference)};
+}
+
+std::string holder_text(int descriptor) {
+  char text[256] = {};
+  const ssize_t size = pread(descriptor, text, sizeof text - 1, 0);
+  return size > 0 ? std::string(text, static_cast<std::size_t>(size)) : "another process";
+}
+
+Result<void> write_holder(int descriptor, const std::string& path) {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  const std::string text = fmt::format("process {} on {}", getpid(), host);
+  const auto size = static_cast<ssize_t>(text.size());
+  if (ftruncate(descriptor, 0) == 0 && pwrite(descriptor, text.data(), text.size(), 0) == size)
+    return {};
+  return Error{Fault::kFailed, fmt::format("{}: {}", path, std::strerror(errno))};
+}
+
+}  // namespace
+
+Result<void> check_same_job(const JobRecord& then, const JobRecord& now,
+                            const std::string& work_dir) {
+  if (then.command != now.command)
+    return other_job(work_dir, fmt::format("command {} before, {} now", then.command, now.command));
+  if (then.output != now.output)
+    return other_job(work_dir, fmt::format("output {} before, {} now", then.output, now.output));
+  const json before = json::parse(then.parameters);
+  const json after = json::parse(now.parameters);
+  for (const auto& [name, value] : after.items())
+    if (const json was = before.value(name, json()); was != value)
+      return other_job(work_dir,
+                       fmt::format("--{} was {}, is {} now", name, was.dump(), value.dump()));
+  if (then.inputs.size() != now.inputs.size())
+    return other_job(work_dir, fmt::format("{} input files before, {} now", then.inputs.size(),
+                                           now.inputs.size()));
+  for (std::size_t i = 0; i < now.inputs.size(); ++i)
+    if (then.inputs[i] != now.inputs[i])
+      return other_job(work_dir, then.inputs[i].path == now.inputs[i].path
+                                     ? fmt::format("input {} has changed", now.inputs[i].path)
+                                     : fmt::format("input {} before, {} now", then.inputs[i].path,
+                                                   now.inputs[i].path));
+  return {};
+}
+
+bool wrote(const JobRecord& record, const std::string& path) {
+  if (!record.result) return false;
+  const Result<InputRecord> now = fingerprint(path);
+  return now && now->size == record.result->size &&
+         now->modified_ns == record.result->modified_ns &&
+         now->content_hash == record.result->content_hash;
+}
+
+Result<WorkDirectory> WorkDirectory::open(const std::string& path) {
+  PSS_TRY(make_directories(path));
+  WorkDirectory directory(path);
+  const std::string lock = lock_path(path);
+  const int descriptor = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (descriptor < 0)
+    return Error{Fault::kFailed, fmt::format("{}: {}", lock, std::strerror(errno))};
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    const std::string holder = holder_text(descriptor);
+    close(descriptor);
+    return Error{Fault::kFailed,
+                 fmt::format("{}: {} works on this job; wait for it, or use another --work-dir",
+                             path, holder)};
+  }
+  directory.lock_ = descriptor;
+  PSS_TRY(write_holder(descriptor, lock));
+  return directory;
+}
+
+WorkDirectory::WorkDirectory(WorkDirectory&& other) noexcept
+    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
+
+WorkDirectory::~WorkDirectory() {
+  if (lock_ >= 0) close(lock_);
+}
+
+Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir) {
+  const std::string path = record_path(work_dir);
+  if (!exists(path)) return std::optional<JobRecord>();
+  PSS_ASSIGN(const std::vector<std::byte> bytes, read_whole(path, kLargestRecord));
+  try {
+    const char* text = reinterpret_cast<const char*>(bytes.data());
+    return std::optional(record_from(json::parse(text, text + bytes.size())));
+  } catch (const json::exception& e) {
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: found no job record ({}); use --restart", path, e.what())};
+  }
+}
+
+Result<std::optional<JobRecord>> WorkDirectory::read_record() const {
+  return read_job_record(path_);
+}
+
+Result<void> WorkDirectory::write_record(const JobRecord& record) const {
+  const std::string text = to_text(record);
+  return replace_file(record_path(path_), std::as_bytes(std::span(text)));
+}
+
+Result<void> WorkDirectory::remove_data() const {
+  for (const char* name : {"/runs", "/input.pss", "/result.pss"}) PSS_TRY(remove_all(path_ + name));
+  return {};
+}
+
+Result<void> WorkDirectory::clear() const {
+  PSS_TRY(remove_data());
+  return remove_all(record_path(path_));
+}
+
+std::optional<std::string> lock_holder(const std::string& work_dir) {
+  const int descriptor = ::open(lock_path(work_dir).c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor < 0) return std::nullopt;
+  std::optional<std::string> holder;
+  if (flock(descriptor, LOCK_SH | LOCK_NB) != 0) holder = holder_text(descriptor);
+  close(descriptor);
+  return holder;
+}
+
+}  // namespace pss

@@ -1,0 +1,69 @@
+#pragma once
+// A job's work directory: one process at a time, and a record of what the job is.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "io/file.h"
+#include "stream/manifest.h"
+
+namespace pss {
+
+/// What a work directory belongs to. Kept in WORKDIR/job.json.
+struct JobRecord {
+  std::string command;
+  std::string output;
+  std::string parameters;  ///< JSON object: all that the result depends on
+  std::vector<InputRecord> inputs;
+  bool complete = false;
+  std::optional<InputRecord> result;  ///< OUTPUT, or its store's manifest, once written
+};
+
+/// Errors where `now` is another job than `then`: the first difference, by name.
+Result<void> check_same_job(const JobRecord& then, const JobRecord& now,
+                            const std::string& work_dir);
+
+/// Whether the file at `path` is the one that the job wrote and recorded.
+bool wrote(const JobRecord& record, const std::string& path);
+
+/// The work directory of a running job, locked as long as this lives.
+///
+/// The lock is the kernel's: it goes with its process, however that ends.
+class WorkDirectory {
+ public:
+  /// Makes the directory where it is missing, and takes its lock.
+  ///
+  /// Errors: kFailed where another process holds the lock (with pid and host), or for I/O.
+  static Result<WorkDirectory> open(const std::string& path);
+
+  WorkDirectory(WorkDirectory&& other) noexcept;
+  WorkDirectory& operator=(WorkDirectory&&) = delete;
+  ~WorkDirectory();
+
+  const std::string& path() const { return path_; }
+  std::string input_store() const { return path_ + "/input.pss"; }
+  std::string result_store() const { return path_ + "/result.pss"; }
+
+  /// The record, where there is one. Errors: kBadInput where it is damaged.
+  Result<std::optional<JobRecord>> read_record() const;
+  Result<void> write_record(const JobRecord& record) const;
+
+  /// Removes what a job keeps here, the record last; nothing else that lies here is touched.
+  Result<void> clear() const;
+  /// Removes all but the record.
+  Result<void> remove_data() const;
+
+ private:
+  explicit WorkDirectory(std::string path) : path_(std::move(path)) {}
+  std::string path_;
+  int lock_ = -1;
+};
+
+/// The record in a work directory, without locking it.
+Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir);
+/// Who holds the lock of a work directory now: "process 123 on host".
+std::optional<std::string> lock_holder(const std::string& work_dir);
+
+}  // namespace pss

@@ -1,0 +1,231 @@
+#include "stream/smooth.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/parallel.h"
+#include "io/writer.h"
+#include "stream/fingerprint.h"
+#include "stream/smooth_job.h"
+#include "stream/smooth_json.h"
+
+namespace pss {
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// One run of a job, stage by stage, in the order of the members.
+class SmoothRun {
+ public:
+  SmoothRun(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor)
+      : job_(job), budget_(budget), monitor_(monitor) {}
+
+  Result<SmoothReport> run() {
+    const Stopwatch total;
+    PSS_TRY(check_job(job_));
+    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(work_directory_of(job_)));
+    PSS_TRY(enter(work));
+    if (!report_.already_complete) {
+      if (!is_complete_store(work.result_store())) PSS_TRY(compute(work));
+      PSS_TRY(write(work));
+      PSS_TRY(leave(work));
+    }
+    report_.total_seconds = total.seconds();
+    describe_run();
+    return std::move(report_);
+  }
+
+ private:
+  Result<void> enter(const WorkDirectory& work);
+  Result<void> compute(const WorkDirectory& work);
+  Result<Store> sorted_input(const WorkDirectory& work);
+  Result<ChosenWidths> choose(const Store& source);
+  Result<void> project(const Store& source, const ChosenWidths& widths, const WorkDirectory& work);
+  Result<void> check_space(const Store& source, const ProjectOperator& op,
+                           const WorkDirectory& work) const;
+  Result<void> write(const WorkDirectory& work);
+  Result<void> leave(const WorkDirectory& work);
+  void describe_run();
+
+  const SmoothJob& job_;
+  MemoryBudget& budget_;
+  Monitor& monitor_;
+  JobRecord record_;
+  SmoothReport report_;
+};
+
+/// Finds out whether the job is new, to be resumed, complete, or another one.
+Result<void> SmoothRun::enter(const WorkDirectory& work) {
+  const SmoothOptions& options = job_.options;
+  PSS_ASSIGN(record_, job_record(job_));
+  if (options.restart) PSS_TRY(work.clear());
+  PSS_ASSIGN(std::optional<JobRecord> before, work.read_record());
+  if (before && check_same_job(*before, record_, work.path()) && wrote(*before, witness_of(job_))) {
+    report_.already_complete = true;
+    return leave(work);
+  }
+  // An unfinished job whose result is complete may have been stopped just after the last rename.
+  const bool own_output = before && !before->complete && is_complete_store(work.result_store());
+  if (exists(job_.output) && !options.overwrite && !own_output)
+    return Error{Fault::kFailed,
+                 fmt::format("{}: exists; use --overwrite to replace it", job_.output)};
+  if (before && before->complete) {  // its output is gone, or is to be replaced
+    PSS_TRY(work.clear());
+    before.reset();
+  }
+  if (before) PSS_TRY(check_same_job(*before, record_, work.path()));
+  report_.resumed = before.has_value();
+  return work.write_record(record_);
+}
+
+Result<void> SmoothRun::compute(const WorkDirectory& work) {
+  PSS_ASSIGN(const Store source, sorted_input(work));
+  const auto tables = budget_.reserve(source.memory());
+  if (!tables)
+    return Error{Fault::kMemoryLimit,
+                 fmt::format("the table of {} tiles takes {} MiB; use a larger --memory-limit",
+                             source.tiles().size(), source.memory() >> 20)};
+  PSS_ASSIGN(const ChosenWidths widths, choose(source));
+  return project(source, widths, work);
+}
+
+/// The store that the inputs make, or the one that was given.
+Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
+  const Stopwatch planning;
+  if (is_store_input(job_)) {
+    PSS_ASSIGN(Store store, Store::open(job_.inputs.front()));
+    if (!store.complete())
+      return Error{Fault::kBadInput,
+                   fmt::format("{}: the store is not complete; run the command that makes it again",
+                               store.path())};
+    report_.ingest.points_read = report_.ingest.points_stored = store.points();
+    return store;
+  }
+  IngestOptions options;
+  options.tile_points = job_.options.tile_points;
+  PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, options, monitor_));
+  report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
+  report_.plan_seconds = planning.seconds();
+  const Stopwatch sorting;
+  PSS_ASSIGN(report_.ingest,
+             ingest(plan, work.input_store(), work.path(), options, budget_, monitor_));
+  report_.ingest_seconds = sorting.seconds();
+  return Store::open(work.input_store());
+}
+
+Result<ChosenWidths> SmoothRun::choose(const Store& source) {
+  const Stopwatch watch;
+  std::optional<Spacing> spacing;
+  if (needs_spacing(job_.options.widths)) {
+    PSS_ASSIGN(spacing, measure_spacing(source, budget_, monitor_));
+  }
+  ChosenWidths widths = choose_widths(job_.options.widths, spacing);
+  report_.spacing_seconds = watch.seconds();
+  monitor_.note(widths.why);
+  return widths;
+}
+
+Result<void> SmoothRun::project(const Store& source, const ChosenWidths& widths,
+                                const WorkDirectory& work) {
+  const Stopwatch watch;
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, widths));
+  PSS_TRY(check_buffer(op, job_.options));
+  PSS_TRY(check_space(source, op, work));
+  StoreHeader header = op.result_header();
+  header.parameters = result_parameters(job_, widths);
+  PSS_ASSIGN(StoreWriter result, is_store(work.result_store())
+                                     ? StoreWriter::resume(work.result_store(), header)
+                                     : StoreWriter::create(work.result_store(), header));
+  monitor_.begin("smooth", source.points(), source.tiles().size());
+  for (const TileInfo& tile : result.tiles()) monitor_.advance(tile.count, 1);
+  PSS_ASSIGN(report_.schedule, run_operator(source, op, result, budget_, monitor_));
+  report_.widths = widths;
+  report_.store_bytes = source.bytes_on_disk();
+  report_.smooth_seconds = watch.seconds();
+  return result.finish(result_summary(report_));
+}
+
+/// The result store and the output must fit on the disk, uncompressed at worst.
+Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& op,
+                                    const WorkDirectory& work) const {
+  const double row = static_cast<double>(op.result_header().schema.row_size());
+  const double source_row = static_cast<double>(source.header().schema.row_size());
+  const double store = static_cast<double>(source.bytes_on_disk()) * (24 + row) / (24 + source_row);
+  const double file = static_cast<double>(source.points()) * (12 + row);
+  const auto needed = static_cast<std::uint64_t>(store + file);
+  PSS_ASSIGN(const std::uint64_t free, free_space(work.path()));
+  std::uint64_t present = 0;
+  if (is_store(work.result_store())) {
+    PSS_ASSIGN(const Store result, Store::open(work.result_store()));
+    present = result.bytes_on_disk();
+  }
+  if (free + present >= needed) return {};
+  return Error{Fault::kFailed,
+               fmt::format("{}: {} MiB free, about {} MiB needed for the result and the output; "
+                           "make room, or use --work-dir on another disk",
+                           work.path(), free >> 20, needed >> 20)};
+}
+
+Result<void> SmoothRun::write(const WorkDirectory& work) {
+  const Stopwatch watch;
+  std::optional<Store> result;
+  PSS_ASSIGN(result, Store::open(work.result_store()));
+  read_result_summary(result->summary(), report_);
+  report_.points_out = result->points();
+  report_.tiles = result->tiles().size();
+  report_.result_bytes = result->bytes_on_disk();
+  for (const TileInfo& tile : result->tiles())
+    report_.statistics.add(ProjectStatistics::from_bytes(tile.note));
+  if (is_store_name(job_.output)) {
+    result.reset();
+    // Recorded first: a job stopped after the rename knows its output again.
+    PSS_ASSIGN(record_.result, fingerprint(manifest_path(work.result_store())));
+    PSS_TRY(work.write_record(record_));
+    if (job_.options.overwrite) PSS_TRY(remove_all(job_.output));
+    PSS_TRY(rename_file(work.result_store(), job_.output));
+  } else {
+    PSS_ASSIGN(const ExportSummary written,
+               export_store(*result, job_.output, export_options(job_), budget_, monitor_));
+    report_.notes.insert(report_.notes.end(), written.notes.begin(), written.notes.end());
+    if (written.grid) report_.rounding_step = *std::ranges::max_element(written.grid->scale);
+  }
+  report_.write_seconds = watch.seconds();
+  return {};
+}
+
+/// Leaves the record that tells the same command that all is done.
+Result<void> SmoothRun::leave(const WorkDirectory& work) {
+  record_.complete = true;
+  PSS_ASSIGN(record_.result, fingerprint(witness_of(job_)));
+  PSS_TRY(work.write_record(record_));
+  return job_.options.keep_work ? Result<void>() : work.remove_data();
+}
+
+void SmoothRun::describe_run() {
+  report_.inputs = job_.inputs;
+  report_.output = job_.output;
+  report_.work_dir = work_directory_of(job_);
+  report_.points_in = report_.ingest.points_read;
+  report_.peak_memory = peak_resident();
+  report_.memory_limit = budget_.limit();
+  report_.threads = thread_count();
+}
+
+}  // namespace
+
+Result<SmoothReport> smooth(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
+  return SmoothRun(job, budget, monitor).run();
+}
+
+}  // namespace pss

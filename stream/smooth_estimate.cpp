@@ -1,0 +1,127 @@
+// What a smoothing job would take: `--dry-run`.
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+#include "core/parallel.h"
+#include "stream/smooth.h"
+#include "stream/smooth_job.h"
+
+namespace pss {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kUsualTilePoints = kTilePoints / 1.7;  ///< between a full tile and a quarter of it
+constexpr double kUsualNeighbours = 113;                ///< at h = 2 spacings
+constexpr double kSortRate = 1.5e6;                     ///< points/s a core to read, sort and write
+constexpr double kCalibrationSeconds = 0.05;
+
+/// A flat patch with `count` neighbours within the reach of `support`.
+Offsets flat_patch(std::size_t count, const Support& support) {
+  Offsets patch;
+  for (std::size_t i = 0; i < count; ++i) {
+    // A sunflower: even spacing at any count.
+    const double r =
+        reach(support) * std::sqrt((static_cast<double>(i) + 0.5) / static_cast<double>(count));
+    const double angle = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5.0));
+    patch.x.push_back(r * std::cos(angle));
+    patch.y.push_back(r * std::sin(angle));
+    patch.z.push_back(0.01 * patch.x.back() * patch.y.back());
+  }
+  return patch;
+}
+
+/// How long one point takes on this machine with so many neighbours, measured.
+double seconds_per_point(double neighbours, int degree) {
+  const Support support{1, radius_factor(degree)};
+  const double share = reach(support) / support.radius;
+  const auto count = static_cast<std::size_t>(std::clamp(neighbours, 3.0, 20000.0) * share * share);
+  const Offsets patch = flat_patch(count, support);
+  std::uint64_t points = 0;
+  const Clock::time_point start = Clock::now();
+  double elapsed = 0;
+  do {
+    points += project_levin(patch, support, degree).neighbours > 0;
+    elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+  } while (elapsed < kCalibrationSeconds);
+  return 1.5 * elapsed / static_cast<double>(points);  // the search for neighbours takes the half
+}
+
+/// Neighbours of a point on a surface of this spacing.
+double usual_neighbours(const ChosenWidths& widths) {
+  if (widths.nearest) {
+    const double k = widths.nearest;
+    return k * widths.factor * widths.factor;
+  }
+  if (!widths.spacing || widths.radius <= 0) return kUsualNeighbours;
+  const double r = widths.radius / widths.spacing->spacing;
+  return std::numbers::pi * r * r;
+}
+
+void add_times(SmoothEstimate& estimate, int degree, double neighbours) {
+  const double points = static_cast<double>(estimate.points);
+  const double threads = thread_count();
+  estimate.seconds =
+      points * (1 + estimate.halo_share / 10) * seconds_per_point(neighbours, degree) / threads;
+  if (!estimate.from_store) estimate.seconds += points / kSortRate / std::min(threads, 4.0);
+}
+
+Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
+  PSS_ASSIGN(const Store source, Store::open(job.inputs.front()));
+  std::optional<Spacing> spacing;
+  if (needs_spacing(job.options.widths)) {
+    PSS_ASSIGN(spacing, measure_spacing(source, budget, monitor));
+  }
+  SmoothEstimate estimate;
+  estimate.widths = choose_widths(job.options.widths, spacing);
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths));
+  PSS_TRY(check_buffer(op, job.options));
+  PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, op, budget));
+  const std::uint64_t row = op.result_header().schema.row_size();
+  estimate.from_store = true;
+  estimate.points = source.points();
+  estimate.tiles = schedule.tiles;
+  estimate.parts = schedule.parts;
+  if (schedule.own_points)
+    estimate.halo_share =
+        static_cast<double>(schedule.halo_points) / static_cast<double>(schedule.own_points);
+  estimate.peak_memory = budget.limit() - budget.total() + schedule.peak_bytes;
+  estimate.disk_bytes =
+      source.bytes_on_disk() * (24 + row) / (24 + source.header().schema.row_size()) +
+      estimate.points * (12 + row);
+  add_times(estimate, job.options.widths.degree, usual_neighbours(estimate.widths));
+  return estimate;
+}
+
+Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
+  IngestOptions options;
+  options.tile_points = job.options.tile_points;
+  PSS_ASSIGN(const IngestPlan plan, plan_ingest(job.inputs, options, monitor));
+  Schema schema = plan.header.schema;
+  PSS_TRY(OutputColumns::add_to(schema, job.options.outputs));
+  SmoothEstimate estimate;
+  estimate.points = plan.points;
+  const double per_tile = kUsualTilePoints * job.options.tile_points / kTilePoints;
+  estimate.tiles = static_cast<std::uint64_t>(static_cast<double>(plan.points) / per_tile) + 1;
+  estimate.parts = estimate.tiles;
+  // Perimeter over area of a square tile, at the default reach of 7 spacings.
+  estimate.halo_share = 4 * 7 / std::sqrt(std::max(1.0, per_tile));
+  estimate.peak_memory = budget.limit();
+  estimate.disk_bytes = plan.disk_bytes + plan.points * (12 + schema.row_size()) +
+                        plan.points * (8 + schema.row_size() / 2);
+  add_times(estimate, job.options.widths.degree, kUsualNeighbours);
+  return estimate;
+}
+
+}  // namespace
+
+Result<SmoothEstimate> estimate_smooth(const SmoothJob& job, MemoryBudget& budget,
+                                       Monitor& monitor) {
+  PSS_TRY(check_job(job));
+  return is_store_input(job) ? from_store(job, budget, monitor) : from_files(job, budget, monitor);
+}
+
+}  // namespace pss

@@ -1,0 +1,136 @@
+#include "stream/smooth_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "io/writer.h"
+#include "stream/fingerprint.h"
+
+namespace pss {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+json optional_json(const std::optional<T>& value) {
+  return value ? json(*value) : json();
+}
+
+/// All that the result depends on beside the inputs, by the names of the flags.
+json parameters_of(const SmoothJob& job) {
+  const SmoothOptions& options = job.options;
+  return {{"operator", "levin"},
+          {"weight", "gaussian"},
+          {"precision", "double"},
+          {"radius", optional_json(options.widths.radius)},
+          {"h", optional_json(options.widths.h)},
+          {"knn", optional_json(options.widths.knn)},
+          {"polynomial-order", options.widths.degree},
+          {"outputs", output_names(options.outputs)},
+          {"buffer", optional_json(options.buffer)},
+          {"allow-inexact", options.allow_inexact},
+          {"scale", options.scale_auto ? json("auto") : optional_json(options.scale)},
+          {"offset", optional_json(options.offset)},
+          {"tile-points", options.tile_points}};
+}
+
+bool positive(const World3& v) {
+  return std::ranges::all_of(v, [](double x) { return x > 0 && std::isfinite(x); });
+}
+
+}  // namespace
+
+Result<void> check_job(const SmoothJob& job) {
+  const SmoothOptions& options = job.options;
+  PSS_TRY(check_widths(options.widths));
+  if (job.inputs.empty()) return Error{Fault::kUsage, "no input given"};
+  if (!is_store_name(job.output)) PSS_TRY(format_for(job.output));
+  if (options.buffer && !(*options.buffer >= 0 && std::isfinite(*options.buffer)))
+    return Error{Fault::kUsage,
+                 fmt::format("--buffer: found {}, expected a length", *options.buffer)};
+  if (options.scale && !positive(*options.scale))
+    return Error{Fault::kUsage, "--scale: expected lengths above zero"};
+  if (options.tile_points == 0) return Error{Fault::kUsage, "--tile-points: expected at least 1"};
+  for (const std::string& input : job.inputs)
+    if (is_store_name(input) && job.inputs.size() > 1)
+      return Error{Fault::kUsage, fmt::format("{}: a store must be the only input; found {} inputs",
+                                              input, job.inputs.size())};
+  return {};
+}
+
+bool is_store_name(const std::string& path) {
+  std::string_view name = path;
+  while (name.ends_with('/')) name.remove_suffix(1);
+  return name.ends_with(".pss");
+}
+
+bool is_store_input(const SmoothJob& job) {
+  return job.inputs.size() == 1 && is_store_name(job.inputs.front());
+}
+
+bool is_complete_store(const std::string& path) {
+  if (!is_store(path)) return false;
+  const Result<Store> store = Store::open(path);
+  return store && store->complete();
+}
+
+std::string work_directory_of(const SmoothJob& job) {
+  return job.options.work_dir.empty() ? job.output + ".work" : job.options.work_dir;
+}
+
+std::string witness_of(const SmoothJob& job) {
+  return is_store_name(job.output) ? manifest_path(job.output) : job.output;
+}
+
+Result<JobRecord> job_record(const SmoothJob& job) {
+  JobRecord record;
+  record.command = "smooth";
+  record.output = job.output;
+  record.parameters = parameters_of(job).dump();
+  for (const std::string& input : job.inputs) {
+    const std::string file = is_store_input(job) ? manifest_path(input) : input;
+    PSS_ASSIGN(InputRecord found, fingerprint(file));
+    record.inputs.push_back(std::move(found));
+  }
+  return record;
+}
+
+ExportOptions export_options(const SmoothJob& job) {
+  const SmoothOptions& options = job.options;
+  return {options.scale, options.scale_auto, options.offset, true};
+}
+
+Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
+                                         const ChosenWidths& widths) {
+  ProjectParameters parameters;
+  parameters.degree = job.options.widths.degree;
+  parameters.support = {widths.h, widths.radius};
+  parameters.nearest = widths.nearest;
+  parameters.factor = widths.factor;
+  parameters.cap = widths.cap;
+  parameters.first_guess = widths.typical;
+  parameters.outputs = job.options.outputs;
+  parameters.buffer = job.options.buffer;
+  parameters.allow_inexact = job.options.allow_inexact;
+  if (!is_store_name(job.output)) {
+    PSS_ASSIGN(const Format format, format_for(job.output));
+    const double margin = std::max(widths.radius, widths.cap);
+    parameters.grid =
+        export_grid(source.header(), bounds_of(source), margin, format, export_options(job));
+  }
+  return ProjectOperator::create(source, parameters);
+}
+
+Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {
+  if (!options.buffer || options.allow_inexact || *options.buffer >= op.largest_reach()) return {};
+  return Error{
+      Fault::kUsage,
+      fmt::format("--buffer {} is less than the {:.6g} that exactness needs; leave it out, "
+                  "or add --allow-inexact",
+                  *options.buffer, op.largest_reach())};
+}
+
+}  // namespace pss

@@ -1,0 +1,38 @@
+#pragma once
+// What follows from a smoothing job's words alone: names, parameters, operator, checks.
+
+#include <string>
+
+#include "core/result.h"
+#include "stream/export.h"
+#include "stream/job.h"
+#include "stream/project.h"
+#include "stream/smooth.h"
+
+namespace pss {
+
+/// Errors: kUsage for options that contradict each other or make no sense.
+Result<void> check_job(const SmoothJob& job);
+
+/// Whether a name asks for a store: it ends in ".pss".
+bool is_store_name(const std::string& path);
+/// Whether the job's input is a store.
+bool is_store_input(const SmoothJob& job);
+/// Whether a finished store lies there.
+bool is_complete_store(const std::string& path);
+
+std::string work_directory_of(const SmoothJob& job);
+/// The file by which the output is known again: itself, or a store's manifest.
+std::string witness_of(const SmoothJob& job);
+
+/// The record that the job's work directory gets. Errors: kFailed for inputs that cannot be read.
+Result<JobRecord> job_record(const SmoothJob& job);
+
+ExportOptions export_options(const SmoothJob& job);
+/// The job's operator over its sorted input.
+Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
+                                         const ChosenWidths& widths);
+/// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
+Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);
+
+}  // namespace pss

@@ -1,0 +1,149 @@
+#include "stream/smooth_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace pss {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json spacing_json(const std::optional<Spacing>& spacing) {
+  if (!spacing) return {};
+  return {{"spacing", spacing->spacing},   {"d16_median", spacing->d16},
+          {"d16_p10", spacing->d16_low},   {"d16_p90", spacing->d16_high},
+          {"varying", spacing->varying()}, {"sample", spacing->sample}};
+}
+
+ordered_json widths_json(const ChosenWidths& widths) {
+  return {{"radius", widths.radius}, {"h", widths.h},
+          {"knn", widths.nearest},   {"radius_per_distance", widths.factor},
+          {"cap", widths.cap},       {"typical", widths.typical},
+          {"why", widths.why},       {"spacing", spacing_json(widths.spacing)}};
+}
+
+ChosenWidths widths_from(const ordered_json& j) {
+  ChosenWidths widths;
+  widths.radius = j.value("radius", 0.0);
+  widths.h = j.value("h", 0.0);
+  widths.nearest = j.value("knn", 0);
+  widths.factor = j.value("radius_per_distance", 1.0);
+  widths.cap = j.value("cap", 0.0);
+  widths.typical = j.value("typical", 0.0);
+  widths.why = j.value("why", "");
+  if (const ordered_json s = j.value("spacing", ordered_json()); s.is_object())
+    widths.spacing =
+        Spacing{s.value("spacing", 0.0), s.value("d16_median", 0.0), s.value("d16_p10", 0.0),
+                s.value("d16_p90", 0.0), s.value("sample", std::size_t{0})};
+  return widths;
+}
+
+ordered_json ingest_json(const IngestSummary& ingest) {
+  return ordered_json::parse(to_json(ingest), nullptr, false);
+}
+
+ordered_json statuses_json(const ProjectStatistics& statistics) {
+  ordered_json statuses;
+  for (int s = 0; s < kStatusCount; ++s)
+    statuses[status_name(static_cast<Status>(s))] =
+        statistics.statuses[static_cast<std::size_t>(s)];
+  return statuses;
+}
+
+ordered_json schedule_json(const ScheduleSummary& schedule) {
+  const double own = static_cast<double>(schedule.own_points);
+  return {{"tiles", schedule.tiles},
+          {"resumed_tiles", schedule.resumed_tiles},
+          {"parts", schedule.parts},
+          {"reloaded_parts", schedule.reloaded_parts},
+          {"halo_share", own > 0 ? static_cast<double>(schedule.halo_points) / own : 0},
+          {"compute_seconds", schedule.compute_seconds},
+          {"wait_seconds", schedule.wait_seconds}};
+}
+
+/// Points by what became of them; in = out + dropped.
+ordered_json points_json(const SmoothReport& report) {
+  return {{"in", report.points_in},
+          {"out", report.points_out},
+          {"dropped", {{"not_finite", report.ingest.dropped_not_finite}}},
+          {"status", statuses_json(report.statistics)}};
+}
+
+ordered_json seconds_json(const SmoothReport& report) {
+  return {{"plan", report.plan_seconds},       {"ingest", report.ingest_seconds},
+          {"spacing", report.spacing_seconds}, {"smooth", report.smooth_seconds},
+          {"write", report.write_seconds},     {"total", report.total_seconds}};
+}
+
+}  // namespace
+
+std::string result_parameters(const SmoothJob& job, const ChosenWidths& widths) {
+  ordered_json j = widths_json(widths);
+  j["polynomial_order"] = job.options.widths.degree;
+  j["operator"] = "levin";
+  j["weight"] = "gaussian";
+  j["precision"] = "double";
+  return j.dump();
+}
+
+std::string result_summary(const SmoothReport& report) {
+  return ordered_json{{"ingest", ingest_json(report.ingest)},
+                      {"widths", widths_json(report.widths)},
+                      {"notes", report.notes},
+                      {"store_bytes", report.store_bytes}}
+      .dump();
+}
+
+void read_result_summary(const std::string& summary, SmoothReport& report) {
+  const ordered_json j = ordered_json::parse(summary, nullptr, false);
+  if (!j.is_object()) return;
+  if (Result<IngestSummary> ingest =
+          ingest_summary_from_json(j.value("ingest", ordered_json()).dump()))
+    report.ingest = *ingest;
+  report.widths = widths_from(j.value("widths", ordered_json::object()));
+  report.notes = j.value("notes", std::vector<std::string>());
+  report.store_bytes = j.value("store_bytes", std::uint64_t{0});
+}
+
+std::string to_json(const SmoothReport& report) {
+  const ProjectStatistics& s = report.statistics;
+  ordered_json j = {{"command", "smooth"},
+                    {"inputs", report.inputs},
+                    {"output", report.output},
+                    {"work_dir", report.work_dir},
+                    {"already_complete", report.already_complete},
+                    {"resumed", report.resumed}};
+  if (report.already_complete) return j.dump(2);
+  j["points"] = points_json(report);
+  j["moved_to_lattice"] = {{"points", report.ingest.moved_to_lattice},
+                           {"largest", report.ingest.largest_move}};
+  j["widths"] = widths_json(report.widths);
+  j["neighbours"] = {{"mean", s.mean_neighbours()}, {"most", s.most_neighbours}};
+  j["displacement"] = {{"rms", s.rms_displacement()}, {"largest", s.largest_displacement}};
+  j["residual"] = {{"rms", s.rms_residual()}};
+  j["rounding_step"] = report.rounding_step;
+  j["tiles"] = report.tiles;
+  j["schedule"] = schedule_json(report.schedule);
+  j["seconds"] = seconds_json(report);
+  j["bytes"] = {{"sorted_input", report.store_bytes}, {"result", report.result_bytes}};
+  j["memory"] = {{"peak", report.peak_memory}, {"limit", report.memory_limit}};
+  j["threads"] = report.threads;
+  j["notes"] = report.notes;
+  return j.dump(2);
+}
+
+std::string to_json(const SmoothEstimate& estimate) {
+  return ordered_json{{"command", "smooth"},
+                      {"dry_run", true},
+                      {"from_store", estimate.from_store},
+                      {"points", estimate.points},
+                      {"tiles", estimate.tiles},
+                      {"parts", estimate.parts},
+                      {"halo_share", estimate.halo_share},
+                      {"memory", {{"peak", estimate.peak_memory}}},
+                      {"disk_bytes", estimate.disk_bytes},
+                      {"seconds", estimate.seconds},
+                      {"widths", widths_json(estimate.widths)}}
+      .dump(2);
+}
+
+}  // namespace pss

@@ -1,0 +1,105 @@
+#include "stream/widths.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace pss {
+namespace {
+
+constexpr int kMostNearest = 10000;
+constexpr double kWidthsPerSpacing = 2;  ///< h over the spacing, without noise
+constexpr double kCapSpacings = 10;      ///< default cap of a k-th nearest distance
+constexpr double kIsolatedMedians = 16;  ///< a d16 beyond so many medians is isolated
+
+Error usage(std::string message) { return {Fault::kUsage, std::move(message)}; }
+
+ChosenWidths by_hand(const WidthOptions& options) {
+  const double factor = radius_factor(options.degree);
+  ChosenWidths widths;
+  widths.h = options.h.value_or(options.radius.value_or(0) / factor);
+  widths.radius = options.radius.value_or(factor * widths.h);
+  widths.why = options.radius && options.h ? "radius and h as given"
+               : options.h                 ? fmt::format("h as given, radius {} h", factor)
+                           : fmt::format("radius as given, h = radius / {}", factor);
+  return widths;
+}
+
+ChosenWidths by_nearest(const WidthOptions& options, const std::optional<Spacing>& spacing) {
+  ChosenWidths widths;
+  widths.nearest = *options.knn;
+  widths.cap = options.radius.value_or(spacing ? kCapSpacings * spacing->spacing : 0);
+  widths.typical =
+      spacing ? spacing->spacing * std::sqrt(*options.knn / std::numbers::pi) : widths.cap / 4;
+  widths.typical = std::min(widths.typical, widths.cap);
+  widths.why =
+      fmt::format("each point's radius is the distance to its {}. neighbour, at most {:.6g}",
+                  widths.nearest, widths.cap);
+  return widths;
+}
+
+ChosenWidths by_varying_spacing(const WidthOptions& options, const Spacing& spacing) {
+  ChosenWidths widths;
+  widths.nearest = kSpacingRank;
+  widths.factor = radius_factor(options.degree) * kWidthsPerSpacing * spacing_of_d16(1);
+  widths.cap = kIsolatedMedians * spacing.d16;
+  widths.typical = spacing.d16;
+  widths.why = fmt::format(
+      "the spacing varies ({:.4g} to {:.4g} between its 10th and 90th percentile), so each point's "
+      "h is {} times its own, from its {}. neighbour",
+      spacing_of_d16(spacing.d16_low), spacing_of_d16(spacing.d16_high), kWidthsPerSpacing,
+      kSpacingRank);
+  return widths;
+}
+
+ChosenWidths by_spacing(const WidthOptions& options, const Spacing& spacing) {
+  ChosenWidths widths;
+  widths.h = kWidthsPerSpacing * spacing.spacing;
+  widths.radius = radius_factor(options.degree) * widths.h;
+  widths.why = fmt::format(
+      "h is {} times the measured spacing of {:.4g} ({} sampled positions), radius {} h",
+      kWidthsPerSpacing, spacing.spacing, spacing.sample, radius_factor(options.degree));
+  return widths;
+}
+
+}  // namespace
+
+Result<void> check_widths(const WidthOptions& options) {
+  if (options.degree < 0 || options.degree > 4)
+    return usage(fmt::format("--polynomial-order: found {}, expected 0 to 4", options.degree));
+  for (const auto& [name, value] : {std::pair{"--radius", options.radius}, {"--h", options.h}})
+    if (value && !(*value > 0 && std::isfinite(*value)))
+      return usage(fmt::format("{}: found {}, expected a length above zero", name, *value));
+  if (options.knn && (*options.knn < 1 || *options.knn > kMostNearest))
+    return usage(fmt::format("--knn: found {}, expected 1 to {}", *options.knn, kMostNearest));
+  if (options.knn && options.h)
+    return usage("--h does not go with --knn, where each point's h follows from its own radius");
+  if (options.radius && options.h && *options.radius < *options.h)
+    return usage(
+        fmt::format("--radius {} is smaller than --h {}; expected at least h, usually {} h",
+                    *options.radius, *options.h, radius_factor(options.degree)));
+  return {};
+}
+
+bool needs_spacing(const WidthOptions& options) { return !options.radius && !options.h; }
+
+ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spacing>& spacing) {
+  ChosenWidths widths;
+  if (!needs_spacing(options)) {
+    widths = options.knn ? by_nearest(options, spacing) : by_hand(options);
+  } else if (!spacing) {
+    widths.why = fmt::format("fewer than {} distinct positions: no spacing, nothing moves",
+                             kSpacingRank + 1);
+  } else if (options.knn) {
+    widths = by_nearest(options, spacing);
+  } else {
+    widths =
+        spacing->varying() ? by_varying_spacing(options, *spacing) : by_spacing(options, *spacing);
+  }
+  widths.spacing = spacing;
+  return widths;
+}
+
+}  // namespace pss

@@ -1,0 +1,42 @@
+#pragma once
+// Chooses how wide the projection looks: from the user's words, or from the measured spacing.
+
+#include <optional>
+#include <string>
+
+#include "core/result.h"
+#include "stream/project.h"
+#include "stream/spacing.h"
+
+namespace pss {
+
+/// What the user said of widths; what is empty is chosen.
+struct WidthOptions {
+  std::optional<double> radius;
+  std::optional<double> h;
+  std::optional<int> knn;
+  int degree = 3;
+};
+
+/// The widths that a job uses, and why.
+struct ChosenWidths {
+  double radius = 0;  ///< 0 where each point owns its own
+  double h = 0;
+  int nearest = 0;                 ///< each point's radius follows from this many neighbours
+  double factor = 1;               ///< that radius / the distance to the last of them
+  double cap = 0;                  ///< of that distance
+  double typical = 0;              ///< a usual value of that distance
+  std::string why;                 ///< a sentence for the report
+  std::optional<Spacing> spacing;  ///< where it was measured
+};
+
+/// Errors: kUsage for widths that make no sense (R < h, --h with --knn, not positive, degree).
+Result<void> check_widths(const WidthOptions& options);
+
+/// Whether the choice depends on the measured spacing.
+bool needs_spacing(const WidthOptions& options);
+
+/// Requires: checked options; `spacing` where it is needed and could be measured.
+ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spacing>& spacing);
+
+}  // namespace pss
