@@ -38,7 +38,8 @@ struct Projection {
 /// Units:    the scan's; curvature 1/length.
 /// Requires: 0 <= degree <= 4, 0 < h <= radius.
 /// Errors:   none; a status. Never NaN.
-/// Cost:     four to six passes over the neighbours; allocates nothing after the first calls.
+/// Thread:   any number at once.
+/// Cost:     five to six passes over the neighbours; allocates nothing.
 /// Source:   Alexa, Behr, Cohen-Or, Fleishman, Levin, Silva, "Computing and Rendering Point Set
 ///           Surfaces", TVCG 9(1), 2003; conditions as in Amenta, Kil, 2004.
 Projection project_levin(const Offsets& neighbours, const Support& support, int degree);
