@@ -18,7 +18,7 @@ class Memory(SystemTest):
             run = self.ok("smooth", scan, "-o", out, "--memory-limit", limit, "--radius",
                           self.radius(), "--report", report)
             self.assertLess(run.peak_bytes, int(limit[:-1]) * MIB)
-            said = harness.read_json(report)["peak_memory"]
+            said = harness.read_json(report)["memory"]["peak"]
             self.assertLessEqual(said, run.peak_bytes)
             self.assertGreater(said, run.peak_bytes * 0.9)
             print(f"{POINTS} points, {scan_words}: peak {run.peak_bytes // MIB} MiB of {limit}, "

@@ -24,7 +24,7 @@ class RealScans(SystemTest):
         self.assertEqual(after.vlrs, before.vlrs)
         self.assertEqual((after.scale, after.offset), (before.scale, before.offset))
         self.assertEqual((after.version, after.point_format), (before.version, before.point_format))
-        self.assertEqual(harness.read_json(report)["points_out"], before.count)
+        self.assertEqual(harness.read_json(report)["points"]["out"], before.count)
         self.assertNotEqual(sorted(after.positions()), sorted(before.positions()))
 
     def test_las_point_format_0(self):
@@ -118,10 +118,9 @@ class Words(SystemTest):
     def test_the_report_accounts_for_every_point(self):
         report = self.path("report.json")
         self.ok("smooth", self.scan, "-o", self.out, "--report", report)
-        facts = harness.read_json(report)
-        self.assertEqual(facts["points_in"], 20000)
-        self.assertEqual(facts["points_out"], 20000)
-        self.assertEqual(sum(facts["status"].values()), 20000)
+        points = harness.read_json(report)["points"]
+        self.assertEqual((points["in"], points["out"]), (20000, 20000))
+        self.assertEqual(sum(points["status"].values()), 20000)
 
     def test_an_identical_finished_job_is_already_complete(self):
         self.ok("smooth", self.scan, "-o", self.out)
