@@ -57,6 +57,18 @@ Result<Scan> scan_points(Reader& reader) {
   }
 }
 
+/// A JSON text as a value; what is none, as a string.
+Json parsed(const std::string& text) {
+  const Json value = Json::parse(text, nullptr, false);
+  return value.is_discarded() ? Json(text) : value;
+}
+
+Json input_paths(const std::vector<InputRecord>& inputs) {
+  Json paths = Json::array();
+  for (const InputRecord& input : inputs) paths.push_back(input.path);
+  return paths;
+}
+
 bool is_table(const Json& value) {
   return value.is_array() && !value.empty() && value.front().is_object();
 }
@@ -109,6 +121,50 @@ Result<Json> describe_file(Reader& reader, bool scan) {
   facts["bytes_per_point"] = header.schema.row_size();
   facts["attributes"] = describe_schema(header.schema);
   if (!header.warnings.empty()) facts["warnings"] = header.warnings;
+  return facts;
+}
+
+Json describe_store(const Store& store) {
+  const StoreHeader& header = store.header();
+  Json facts{{"path", store.path()},
+             {"kind", "store"},
+             {"complete", store.complete()},
+             {"points", store.points()},
+             {"tiles", store.tiles().size()},
+             {"tile_points", header.tile_points},
+             {"order", header.ordered ? "key" : "of its source"}};
+  IndexBox box;
+  for (const TileInfo& tile : store.tiles()) box.add(tile.box);
+  facts["bounds"] = box.empty() ? Json()
+                                : describe_bounds({.min = to_world(header.lattice, box.min),
+                                                   .max = to_world(header.lattice, box.max)});
+  facts["lattice"] = {{"step", header.lattice.scale}, {"origin", header.lattice.origin}};
+  if (header.grid) describe_grid(facts, *header.grid);
+  facts["source_format"] = format_name(header.source_format);
+  facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);
+  facts["bytes_on_disk"] = store.bytes_on_disk();
+  if (store.points() > 0)
+    facts["bytes_per_point"] =
+        static_cast<double>(store.bytes_on_disk() * 100 / store.points()) / 100;
+  facts["attributes"] = describe_schema(header.schema);
+  facts["inputs"] = input_paths(header.inputs);
+  if (!header.parameters.empty()) facts["parameters"] = parsed(header.parameters);
+  if (!store.summary().empty()) facts["summary"] = parsed(store.summary());
+  return facts;
+}
+
+Json describe_job(const std::string& work_dir, const JobState& state) {
+  Json facts{{"path", work_dir},
+             {"kind", "job"},
+             {"command", state.command},
+             {"output", state.output},
+             {"stage", state.stage},
+             {"tiles_done", state.tiles_done},
+             {"tiles", state.tiles > 0 ? Json(state.tiles) : Json()}};
+  if (state.points > 0) facts["points"] = state.points;
+  facts["running"] = state.holder ? Json(*state.holder) : Json("no");
+  facts["inputs"] = state.inputs;
+  facts["parameters"] = parsed(state.parameters);
   return facts;
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "io/reader.h"
+#include "stream/smooth.h"
+#include "stream/store.h"
 
 namespace pss {
 
@@ -12,6 +14,12 @@ namespace pss {
 ///
 /// Errors: with `scan`, those of reading.
 Result<nlohmann::ordered_json> describe_file(Reader& reader, bool scan);
+
+/// What the manifest says.
+nlohmann::ordered_json describe_store(const Store& store);
+
+/// How far a job is.
+nlohmann::ordered_json describe_job(const std::string& work_dir, const JobState& state);
 
 /// The same facts, one a line, attributes as rows of a table.
 std::string as_table(const nlohmann::ordered_json& facts);

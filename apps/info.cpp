@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
 #include "apps/command.h"
 #include "apps/describe.h"
@@ -35,6 +37,15 @@ class Info : public Command {
 
  private:
   Result<nlohmann::ordered_json> describe(const std::string& path) const {
+    if (is_store(path)) {
+      PSS_ASSIGN(const Store store, Store::open(path));
+      return describe_store(store);
+    }
+    std::error_code unreadable;  // open_reader says so in words
+    if (std::filesystem::is_directory(path, unreadable)) {
+      PSS_ASSIGN(const JobState state, read_job_state(path));
+      return describe_job(path, state);
+    }
     PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(path));
     return describe_file(*reader, scan_);
   }

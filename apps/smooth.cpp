@@ -61,17 +61,18 @@ class Smooth : public Command {
  private:
   void declare_surface(Arguments& arguments) {
     SmoothOptions& options = job_.options;
+    WidthOptions& widths = options.widths;
     arguments.option("--radius", "R",
-                     "Support radius: weights reach zero there [3 h; order 4: 4 h]", options.radius,
+                     "Support radius: weights reach zero there [3 h; order 4: 4 h]", widths.radius,
                      parse_positive);
-    arguments.option("--h", "H", "Width of the Gaussian [2 spacings, measured]", options.h,
+    arguments.option("--h", "H", "Width of the Gaussian [2 spacings, measured]", widths.h,
                      parse_positive);
     arguments.option("--knn", "K",
                      "Each point owns its radius: the distance to its K-th neighbour, at most "
                      "--radius [10 spacings]",
-                     options.knn, parse_integer);
+                     widths.knn, parse_integer);
     arguments.option("--polynomial-order,--degree", "M", "Of the local surface, 0 to 4 [3]",
-                     options.degree, parse_integer);
+                     widths.degree, parse_integer);
     arguments.choice("--operator", {"levin"}, "The projection [levin]", operator_);
     arguments.choice("--weight", {"gaussian"}, "The weight, tapered to zero at R [gaussian]",
                      weight_);
