@@ -21,7 +21,10 @@ struct WriteOptions {
   std::optional<Carry> carry;           ///< header to carry on, used where its format is this one
   std::optional<WorldBox> bounds;       ///< of the points to come; to choose scale and offset by
   std::optional<World3> scale, offset;  ///< LAS: instead of the carried or chosen ones
-  bool overwrite = false;               ///< whether a file of this name may be replaced at the end
+  /// The points to come are those of the carried header's file, all and in order: what its header
+  /// says of them (bounds, counts) stays as it is.
+  bool same_points = false;
+  bool overwrite = false;  ///< whether a file of this name may be replaced at the end
 };
 
 class Writer {

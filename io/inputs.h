@@ -1,0 +1,21 @@
+#pragma once
+// Turns the INPUT arguments of a command into the list of files that they mean.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace pss {
+
+/// Files in the order of the arguments. An argument is
+///   a file, or a store (a directory NAME.pss), taken as it is;
+///   another directory: its files with extensions that open_reader() knows, by name;
+///   a glob (*, ?, [...]) where no file has that very name: its matches, by name;
+///   @LIST: a file with one argument a line; empty lines are skipped, lists in lists refused.
+///
+/// Errors: kFailed naming what is missing or matches nothing.
+Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments);
+
+}  // namespace pss
