@@ -1,0 +1,146 @@
+// pss synth: noisy scans of known surfaces, and how far a file is from one.
+
+#include <fmt/format.h>
+
+#include "apps/command.h"
+#include "apps/options.h"
+#include "apps/progress.h"
+#include "core/parallel.h"
+#include "io/measure.h"
+#include "io/synth.h"
+#include "io/writer.h"
+
+namespace pss {
+namespace {
+
+constexpr std::size_t kBatch = 65536;
+
+constexpr const char* kEpilogue =
+    "SHAPE is torus (--size MAJOR,MINOR radius), sphere (RADIUS), plane (WIDTH,DEPTH,SLOPE_X,\n"
+    "SLOPE_Y) or terrain (WIDTH,DEPTH). The spacing is the root of area / points, over all scans.\n"
+    "The same options give the same bytes on every machine and number of threads. The true\n"
+    "surface's parameters are printed to stdout as JSON.\n"
+    "With --measure nothing is written: repeat the options that made the scan, and the distances\n"
+    "of FILE to the true surface are printed, with the errors of its normals and curvatures.\n\n"
+    "Examples:\n"
+    "  pss synth torus -o torus.las --points 2M --scans 3 --noise 0.3\n"
+    "  pss synth torus --points 2M --scans 3 --noise 0.3 --measure smooth.las\n"
+    "  pss synth terrain -o hills.ply --points 1e7 --offset 500000,4649776,100 --truth";
+
+/// Numbers between commas.
+Result<std::vector<double>> parse_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    PSS_ASSIGN(const double number, parse_number(text.substr(0, comma)));
+    numbers.push_back(number);
+    if (comma == std::string_view::npos) return numbers;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+class Synth : public Command {
+ public:
+  void declare(Arguments& arguments) override {
+    arguments.positional("SHAPE", "torus, sphere, plane or terrain", shape_);
+    arguments.option("-o,--output", "OUTPUT", "A file; the extension says the format", output_,
+                     parse_text);
+    arguments.option("--measure", "FILE", "Measure FILE against the surface instead of writing",
+                     measured_, parse_text);
+    arguments.flag("--json", "With --measure: JSON instead of a table", json_);
+    declare_scan(arguments);
+    declare_overwrite(arguments, overwrite_);
+    arguments.option("--threads", "N", "Threads to use [all]", threads_, parse_integer);
+    reports_.declare_progress(arguments);
+    arguments.epilogue(kEpilogue);
+  }
+
+  Result<void> run() override {
+    PSS_ASSIGN(options_.surface, make_surface(shape_, sizes_));
+    options_.order = order_ == "sweep" ? SynthOrder::kSweep : SynthOrder::kScattered;
+    PSS_TRY(check(options_));
+    if (output_.empty() == measured_.empty())
+      return Error{Fault::kUsage, "synth needs either -o OUTPUT or --measure FILE"};
+    ThreadLimit threads(threads_);
+    Progress progress(reports_.progress);
+    return output_.empty() ? measure_file(progress) : write_scan(progress);
+  }
+
+ private:
+  void declare_scan(Arguments& arguments) {
+    arguments.option("--size", "A,B,...", "Sizes of the shape [1,0.4; 1; 100,100; 1000,1000]",
+                     sizes_, parse_numbers);
+    arguments.option("--points", "N", "Points of all scans together: 2M, 1e9 [1M]", options_.points,
+                     parse_count);
+    arguments.option("--noise", "S", "Standard deviation along the normal, in spacings [0]",
+                     options_.noise, parse_number);
+    arguments.option("--scans", "K", "Overlapping scans, each of 3/4 of the surface [1: all of it]",
+                     options_.scans, parse_integer);
+    arguments.option("--corner-density", "F", "Times denser a sixteenth of the surface is [1]",
+                     options_.corner_density, parse_number);
+    arguments.option("--density-gradient", "F",
+                     "The densest place over the sparsest, changing smoothly [1]",
+                     options_.density_gradient, parse_number);
+    arguments.option("--offset", "X,Y,Z", "Added to all coordinates [0,0,0]", options_.offset,
+                     parse_triple);
+    arguments.option("--scale", "S", "Step of the coordinates [power of ten below spacing/1000]",
+                     options_.scale, parse_positive);
+    arguments.option("--seed", "N", "Of noise and place [1]", options_.seed, parse_count);
+    arguments.choice("--order", {"scattered", "sweep"},
+                     "Consecutive records lie far apart, or along a moving front [scattered]",
+                     order_);
+    arguments.flag("--truth", "Add TrueX, TrueY, TrueZ and TrueDistance to every point",
+                   options_.truth);
+  }
+
+  Result<void> write_scan(Progress& progress) const {
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, SynthReader::create(options_));
+    WriteOptions options;
+    PSS_ASSIGN(options.format, format_for(output_));
+    options.schema = reader->header().schema;
+    options.grid = reader->header().grid;
+    options.count = options_.points;
+    options.bounds = reader->header().bounds;
+    options.overwrite = overwrite_;
+    PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output_, options));
+    PSS_TRY(copy(*reader, *writer, progress));
+    for (const std::string& note : writer->notes()) progress.note(note);
+    fmt::print("{}\n", parameters_json(options_));
+    return {};
+  }
+
+  Result<void> copy(Reader& reader, Writer& writer, Progress& progress) const {
+    progress.begin("write", options_.points, 0);
+    PointBatch batch;
+    while (true) {
+      if (progress.stopping()) return Error{Fault::kInterrupted, "the synthesis was interrupted"};
+      PSS_TRY(reader.read(kBatch, batch));
+      if (batch.size() == 0) return writer.finish();
+      PSS_TRY(writer.write(batch));
+      progress.advance(batch.size(), 0);
+    }
+  }
+
+  Result<void> measure_file(Progress& progress) const {
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(measured_));
+    PSS_ASSIGN(const Measurement measurement, measure(*reader, options_, progress));
+    fmt::print("{}", json_ ? measurement_json(measurement, options_) + "\n"
+                           : measurement_table(measurement, options_));
+    return {};
+  }
+
+  std::string shape_, output_, measured_;
+  std::vector<double> sizes_;
+  std::string order_ = "scattered";
+  SynthOptions options_;
+  bool json_ = false;
+  bool overwrite_ = false;
+  int threads_ = 0;
+  ReportOptions reports_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_synth() { return std::make_unique<Synth>(); }
+
+}  // namespace pss
