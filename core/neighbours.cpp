@@ -106,9 +106,12 @@ struct TouchedCells {
   std::size_t count = 0;
   int shift;
 
-  TouchedCells(const Lattice& lattice, const Query& query, double radius) {
+  /// Takes the grid's cells, of side 2^grid_shift, if the best ones are little finer: their
+  /// borders need no search among points.
+  TouchedCells(const Lattice& lattice, const Query& query, double radius, int grid_shift) {
     const Box box(lattice, query, radius);
     shift = box.shift();
+    if (shift == grid_shift - 1) shift = grid_shift;
     const Slabs x(lattice, query, box, shift, 0);
     const Slabs y(lattice, query, box, shift, 1);
     const Slabs z(lattice, query, box, shift, 2);
@@ -268,7 +271,7 @@ std::size_t CellGrid::lower_bound(const Key& key, int shift, std::size_t& entry)
 template <class Visit>
 void CellGrid::visit_ball(const Query& query, double radius, Visit visit) const {
   if (points_.empty()) return;
-  const TouchedCells touched(lattice_, query, radius);
+  const TouchedCells touched(lattice_, query, radius, shift_);
   std::size_t entry = 0;
   for (std::size_t i = 0; i < touched.count; ++i) {
     const std::size_t begin = lower_bound(touched.first[i], touched.shift, entry);
