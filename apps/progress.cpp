@@ -1,5 +1,6 @@
 #include "apps/progress.h"
 
+#include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -135,7 +136,7 @@ void Progress::say(std::string_view text) {
   if (style_ == Style::kJson)
     print(json_note(text) + "\n");
   else
-    print("pss: " + std::string(text) + "\n");
+    print(fmt::format("pss: {}\n", text));
 }
 
 }  // namespace pss

@@ -21,9 +21,9 @@ def megabytes(size):
 
 def distances(before, after):
     """Rms distance to the true surface, in spacings of the scan."""
-    was, now = load(before)["distance"], load(after)["distance"]
-    line("before", f"{was['rms_spacings']:.3f} spacings rms from the true surface")
-    line("after", f"{now['rms_spacings']:.3f} spacings: {was['rms'] / now['rms']:.1f} times nearer")
+    was, now = (load(path)["distance_in_spacings"]["rms"] for path in (before, after))
+    line("before", f"{was:.3f} spacings rms from the true surface")
+    line("after", f"{now:.3f} spacings: {was / now:.1f} times nearer")
 
 
 def main(scan, result, *measured):
