@@ -6,14 +6,12 @@
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "core/parallel.h"
+#include "io/convert.h"
 #include "io/measure.h"
 #include "io/synth.h"
-#include "io/writer.h"
 
 namespace pss {
 namespace {
-
-constexpr std::size_t kBatch = 65536;
 
 constexpr const char* kEpilogue =
     "SHAPE is torus (--size MAJOR,MINOR radius), sphere (RADIUS), plane (WIDTH,DEPTH,SLOPE_X,\n"
@@ -95,30 +93,13 @@ class Synth : public Command {
 
   Result<void> write_scan(Progress& progress) const {
     PSS_ASSIGN(const std::unique_ptr<Reader> reader, SynthReader::create(options_));
-    WriteOptions options;
-    PSS_ASSIGN(options.format, format_for(output_));
-    options.schema = reader->header().schema;
-    options.grid = reader->header().grid;
-    options.count = options_.points;
-    options.bounds = reader->header().bounds;
+    Reader* const scan = reader.get();
+    ConvertOptions options;
     options.overwrite = overwrite_;
-    PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output_, options));
-    PSS_TRY(copy(*reader, *writer, progress));
-    for (const std::string& note : writer->notes()) progress.note(note);
+    PSS_ASSIGN(const ConvertSummary summary, copy_points({&scan, 1}, output_, options, progress));
+    for (const std::string& note : summary.notes) progress.note(note);
     fmt::print("{}\n", parameters_json(options_));
     return {};
-  }
-
-  Result<void> copy(Reader& reader, Writer& writer, Progress& progress) const {
-    progress.begin("write", options_.points, 0);
-    PointBatch batch;
-    while (true) {
-      if (progress.stopping()) return Error{Fault::kInterrupted, "the synthesis was interrupted"};
-      PSS_TRY(reader.read(kBatch, batch));
-      if (batch.size() == 0) return writer.finish();
-      PSS_TRY(writer.write(batch));
-      progress.advance(batch.size(), 0);
-    }
   }
 
   Result<void> measure_file(Progress& progress) const {
