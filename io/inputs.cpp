@@ -58,7 +58,8 @@ Result<void> add_matches(const std::string& pattern, Paths& out) {
   if (outcome != 0) return failed(pattern, "cannot be matched: a directory cannot be read");
   for (std::size_t i = 0; i < found.matches.gl_pathc; ++i) {
     const std::string path = found.matches.gl_pathv[i];
-    if (!std::filesystem::is_directory(path) || is_store(path)) out.push_back(path);
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(path, ignored) || is_store(path)) out.push_back(path);
   }
   return {};
 }

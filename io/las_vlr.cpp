@@ -69,12 +69,12 @@ EvlrHeader load_evlr_header(std::span<const std::byte> bytes) {
 std::vector<std::byte> make_vlr(std::string_view user_id, std::uint16_t record_id,
                                 std::string_view description, std::span<const std::byte> bytes) {
   assert(bytes.size() <= 0xFFFF);
-  std::vector<std::byte> vlr(kVlrHeader);
+  std::vector<std::byte> vlr(kVlrHeader + bytes.size());
   put_text(std::span(vlr).subspan(kUserId, 16), user_id);
   store_le(std::span(vlr), kRecordId, record_id);
   store_le(std::span(vlr), kLength, static_cast<std::uint16_t>(bytes.size()));
   put_text(std::span(vlr).subspan(kVlrDescription, 32), description);
-  vlr.insert(vlr.end(), bytes.begin(), bytes.end());
+  std::ranges::copy(bytes, vlr.begin() + kVlrHeader);
   return vlr;
 }
 
