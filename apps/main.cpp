@@ -23,7 +23,11 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
+    {"convert", "", "Rewrite files in another format, every attribute and the order kept",
+     make_convert},
     {"info", "", "Tell what is in a file, a store or a work directory", make_info},
+    {"synth", "", "Make noisy scans of known surfaces; measure how far points are from them",
+     make_synth},
 };
 
 constexpr const char* kDescription =

@@ -122,7 +122,7 @@ void Progress::draw() {
   if (style_ == Style::kPlain) print(plain_line(snapshot()) + "\n");
   if (style_ == Style::kJson) print(json_line(snapshot()) + "\n");
   if (style_ != Style::kBar) return;
-  print("\r" + bar_line(snapshot(), terminal_columns() - 1) + "\x1b[K");
+  print(fmt::format("\r{}\x1b[K", bar_line(snapshot(), terminal_columns() - 1)));
   bar_shown_ = true;
 }
 
