@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "apps/progress_view.h"
+#include "io/las_header.h"
+#include "io/las_vlr.h"
 
 namespace pss {
 
@@ -36,6 +38,23 @@ Json describe_schema(const Schema& schema) {
 void describe_grid(Json& facts, const Lattice& grid) {
   facts["scale"] = grid.scale;
   facts["offset"] = grid.origin;
+}
+
+Json describe_vlr(const Vlr& vlr) {
+  return {{"name", vlr.user_id}, {"type", std::to_string(vlr.record_id)}, {"bytes", vlr.length}};
+}
+
+/// What a LAS header has beyond what all formats have.
+void describe_las(Json& facts, const Carry& carry) {
+  if (carry.head.size() < kLasSmallestHeader) return;
+  const LasHeader header = load_las_header(carry.head);
+  facts["las_version"] = fmt::format("{}.{}", header.major, header.minor);
+  facts["point_format"] = header.point_format;
+  facts["record_bytes"] = header.record_length;
+  facts["vlrs"] = Json::array();
+  for (const Vlr& vlr : list_vlrs(carry.head, header.header_size, header.vlr_count))
+    facts["vlrs"].push_back(describe_vlr(vlr));
+  for (const Vlr& vlr : list_evlrs(carry.tail)) facts["vlrs"].push_back(describe_vlr(vlr));
 }
 
 /// What all points of a file say.
@@ -77,7 +96,7 @@ std::string as_text(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
-  if (value.is_number_float()) return fmt::format("{}", value.get<double>());
+  if (value.is_number_float()) return fmt::format("{:.12g}", value.get<double>());
   if (value.is_null()) return "not told";
   if (!value.is_structured()) return value.dump();
   std::vector<std::string> parts;
@@ -91,16 +110,17 @@ std::string table_row(const Json& row) {
   std::vector<std::string> rest;
   for (const auto& [key, value] : row.items())
     if (key != "name" && key != "type") rest.push_back(key + " " + as_text(value));
-  return fmt::format("    {:<28} {:<8} {}\n", as_text(row.value("name", Json(""))),
-                     as_text(row.value("type", Json(""))), fmt::join(rest, ", "));
+  std::string line = fmt::format("    {:<28} {:<8} {}", as_text(row.value("name", Json(""))),
+                                 as_text(row.value("type", Json(""))), fmt::join(rest, ", "));
+  return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
 }
 
-/// Lines of a fact whose text has several, under one another.
+/// A fact on one line; a long text, such as a coordinate system, is cut.
 std::string fact_line(const std::string& key, const Json& value) {
+  constexpr std::size_t kLongest = 76;
   std::string text = as_text(value);
-  constexpr const char* kIndent = "\n                   ";
-  for (std::size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 2))
-    text.replace(at, 1, kIndent);
+  text = text.substr(0, text.find('\n'));
+  if (value.is_string() && text.size() > kLongest) text = text.substr(0, kLongest) + "...";
   return fmt::format("  {:<16} {}\n", key, text);
 }
 
@@ -118,7 +138,7 @@ Result<Json> describe_file(Reader& reader, bool scan) {
   }
   if (header.grid) describe_grid(facts, *header.grid);
   facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);
-  facts["bytes_per_point"] = header.schema.row_size();
+  if (header.format == Format::kLas) describe_las(facts, header.carry);
   facts["attributes"] = describe_schema(header.schema);
   if (!header.warnings.empty()) facts["warnings"] = header.warnings;
   return facts;

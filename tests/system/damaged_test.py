@@ -115,11 +115,21 @@ class HostileLas(DamagedFiles):
     def test_header_fields_that_make_no_sense_are_refused(self):
         for offset, layout, value in ((94, "<H", 0), (94, "<H", 65535),  # header size
                                       (96, "<I", 0), (96, "<I", 0xFFFFFFFF),  # offset to points
-                                      (100, "<I", 0xFFFFFFFF),  # number of VLRs
                                       (104, "<B", 11),  # point format
                                       (105, "<H", 0), (105, "<H", 19),  # record size
                                       (24, "<B", 9)):  # major version
             self.refused_with(offset, layout, value)
+
+    def test_a_wrong_number_of_vlrs_is_told_and_the_points_are_read(self):
+        path = self.path("hostile.las")
+        harness.write_las(path, harness.random_records(10, 1))
+        data = bytearray(path.read_bytes())
+        struct.pack_into("<I", data, 100, 0xFFFFFFFF)
+        path.write_bytes(data)
+        for command in COMMANDS:
+            run = self.judge(path, command)
+            self.assertEqual(run.code, DONE, run.err)
+            self.assertIn("4294967295", run.err)
 
     def test_scales_that_make_no_position_are_refused(self):
         for value in (0.0, float("nan"), float("inf")):
