@@ -74,6 +74,9 @@ class Synth : public Command {
                      options_.noise, parse_number);
     arguments.option("--scans", "K", "Overlapping scans, each of 3/4 of the surface [1: all of it]",
                      options_.scans, parse_integer);
+    arguments.option("--jitter", "J",
+                     "How far samples may be off an even lattice, in spacings [0.25]",
+                     options_.jitter, parse_number);
     arguments.option("--corner-density", "F", "Times denser a sixteenth of the surface is [1]",
                      options_.corner_density, parse_number);
     arguments.option("--density-gradient", "F",

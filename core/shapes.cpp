@@ -54,10 +54,14 @@ SurfacePoint sample(const Plane& plane, double u, double v) {
   return {{x, y, plane.slope_x * x + plane.slope_y * y}, upward(plane.slope_x, plane.slope_y)};
 }
 
-SurfacePoint sample(const Terrain& terrain, double u, double v) {
-  const auto [x, y] = terrain.place(u, v);
+SurfacePoint point_at(const Terrain& terrain, double x, double y) {
   const Height h = terrain.height(x, y);
   return {{x, y, h.z}, upward(h.x, h.y)};
+}
+
+SurfacePoint sample(const Terrain& terrain, double u, double v) {
+  const auto [x, y] = terrain.place(u, v);
+  return point_at(terrain, x, y);
 }
 
 Foot foot(const Torus& torus, const World3& p) {
@@ -164,6 +168,13 @@ bool closed_in_u(const Surface& surface) { return surface.index() < 2; }
 
 SurfacePoint surface_point(const Surface& surface, double u, double v) {
   return std::visit([&](const auto& shape) { return sample(shape, u, v); }, surface);
+}
+
+SurfacePoint settle(const Surface& surface, const World3& p) {
+  if (const Terrain* terrain = std::get_if<Terrain>(&surface))
+    return point_at(*terrain, p[0], p[1]);
+  const Foot foot = foot_of(surface, p);
+  return {foot.position, foot.normal};
 }
 
 Foot foot_of(const Surface& surface, const World3& p) {

@@ -55,6 +55,10 @@ bool closed_in_u(const Surface& surface);
 /// Maps [0, 1)^2 onto the surface, evenly by area.
 SurfacePoint surface_point(const Surface& surface, double u, double v);
 
+/// The point of the surface at a place close to it: the foot, and on a terrain the point straight
+/// below or above, which is found sooner.
+SurfacePoint settle(const Surface& surface, const World3& p);
+
 /// Requires: `p` finite. Where several points are nearest (a sphere's centre), one of them.
 Foot foot_of(const Surface& surface, const World3& p);
 

@@ -18,11 +18,28 @@ constexpr std::uint64_t kLargestLegacyCount = 0xffffffff;
 constexpr double kClassGround = 2;
 constexpr double kClassUnclassified = 1;
 constexpr double kSecondsPerRecord = 1e-6;
+// Added to the seed, so that what is random about a record is independent.
+constexpr std::uint64_t kIntensityStream = std::uint64_t{1} << 62;
+constexpr std::uint64_t kJitterStream = std::uint64_t{2} << 62;
+
+/// Two unit vectors perpendicular to a unit vector and to each other.
+/// Source: Duff et al., "Building an orthonormal basis, revisited", 2017.
+std::array<World3, 2> tangents(const World3& n) {
+  const double sign = n[2] < 0 ? -1 : 1;
+  const double a = -1 / (sign + n[2]);
+  const double b = n[0] * n[1] * a;
+  return {World3{1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]},
+          World3{b, sign + n[1] * n[1] * a, -n[1]}};
+}
 
 WorldBox noisy_bounds(const SynthOptions& options) {
   WorldBox box = bounds(options.surface);
   const double step = grid(options).scale[0];
-  const double margin = kLargestNormal * options.noise * spacing(options) + step;
+  // A scan's own spacing, where it is sparsest, over the spacing of all scans together.
+  const double sparse =
+      std::sqrt(std::max(1.0, kCoverage * options.scans) * (1 + (options.corner_density - 1) / 12));
+  const double margin =
+      (kLargestNormal * options.noise + sparse * options.jitter) * spacing(options) + step;
   for (std::size_t a = 0; a < 3; ++a) {
     box.min[a] += options.offset[a] - margin;
     box.max[a] += options.offset[a] + margin;
@@ -48,7 +65,8 @@ Result<std::unique_ptr<Reader>> SynthReader::create(const SynthOptions& options)
 SynthReader::SynthReader(const SynthOptions& options)
     : options_(options),
       plan_(options),
-      sigma_(options.noise > 0 ? options.noise * spacing(options) : 0) {
+      sigma_(options.noise * spacing(options)),
+      jitter_(options.jitter * std::sqrt(area(options.surface) / 2)) {
   make_header();
   make_template_row();
 }
@@ -104,8 +122,7 @@ void SynthReader::generate(std::uint64_t first, std::size_t begin, std::size_t e
   plan_.places(first + begin, std::span(places).first(end - begin));
   for (std::size_t i = begin; i < end; ++i) {
     const std::uint64_t record = first + i;
-    const Place& place = places[i - begin];
-    const SurfacePoint point = surface_point(options_.surface, place.u, place.v);
+    const SurfacePoint point = sample(record, places[i - begin]);
     const double distance = sigma_ > 0 ? sigma_ * random_normal(options_.seed, record) : 0;
     for (std::size_t a = 0; a < 3; ++a)
       batch.index[i][a] =
@@ -114,13 +131,25 @@ void SynthReader::generate(std::uint64_t first, std::size_t begin, std::size_t e
   }
 }
 
+SurfacePoint SynthReader::sample(std::uint64_t record, const Place& place) const {
+  const SurfacePoint point = surface_point(options_.surface, place.u, place.v);
+  if (jitter_ == 0) return point;
+  const std::uint64_t bits = random_bits(options_.seed + kJitterStream, record);
+  const double a = jitter_ * place.spacing * (2 * unit_fraction(bits) - 1);
+  const double b = jitter_ * place.spacing * (2 * unit_fraction(mix_bits(bits)) - 1);
+  const auto [along, across] = tangents(point.normal);
+  World3 aside = point.position;
+  for (std::size_t i = 0; i < 3; ++i) aside[i] += a * along[i] + b * across[i];
+  return settle(options_.surface, aside);
+}
+
 void SynthReader::fill_row(std::uint64_t record, const World3& place, double distance,
                            std::byte* row) const {
   const std::span<std::byte> out(row, row_.size());
   std::ranges::copy(row_, row);
   const auto scan = static_cast<std::uint16_t>(plan_.scan_of(record) + 1);
   store_le(out, columns_.intensity,
-           static_cast<std::uint16_t>(random_bits(options_.seed + 1, record) >> 48));
+           static_cast<std::uint16_t>(random_bits(options_.seed + kIntensityStream, record) >> 48));
   store_le(out, columns_.source, scan);
   store_le(out, columns_.time, kSecondsPerRecord * static_cast<double>(record));
   if (!options_.truth) return;

@@ -33,11 +33,14 @@ class SynthReader final : public Reader {
   void make_header();
   void make_template_row();
   void generate(std::uint64_t first, std::size_t begin, std::size_t end, PointBatch& batch) const;
+  SurfacePoint sample(std::uint64_t record, const Place& place) const;
   void fill_row(std::uint64_t record, const World3& place, double distance, std::byte* row) const;
 
   SynthOptions options_;
   SynthPlan plan_;
   double sigma_ = 0;
+  double jitter_ =
+      0;  ///< times the spacing of a Place: the largest step to the side, along an axis
   CloudHeader header_;
   Columns columns_{};
   std::vector<std::byte> row_;  ///< what all rows share

@@ -90,6 +90,8 @@ Result<void> check(const SynthOptions& options) {
     return usage(fmt::format("{} scans, expected 1 to 65535", options.scans));
   if (!within(options.noise, 0, 1e6))
     return usage(fmt::format("noise of {} spacings, expected 0 or more", options.noise));
+  if (!within(options.jitter, 0, 10))
+    return usage(fmt::format("jitter of {} spacings, expected 0 to 10", options.jitter));
   if (!within(options.corner_density, 1, 1e6))
     return usage(fmt::format("corner density {}, expected 1 to 1e6", options.corner_density));
   if (!within(options.density_gradient, 1, 1e6))
@@ -99,7 +101,8 @@ Result<void> check(const SynthOptions& options) {
   for (const double coordinate : options.offset)
     if (!within(coordinate, -1e12, 1e12))
       return usage(fmt::format("offset {}, expected -1e12 to 1e12", coordinate));
-  const double side = bounds(options.surface).max[0] + 10 * options.noise * spacing(options);
+  const double margin = 10 * (options.noise + options.jitter) * spacing(options);
+  const double side = bounds(options.surface).max[0] + margin;
   if (!(side / grid(options).scale[0] < static_cast<double>(kLatticeMax)))
     return usage(
         fmt::format("a scale of {} needs more than {} bits for a surface of {}, use a "
@@ -133,6 +136,7 @@ std::string parameters_json(const SynthOptions& options) {
                    {"spacing", s},
                    {"noise", options.noise},
                    {"sigma", options.noise * s},
+                   {"jitter", options.jitter},
                    {"corner_density", options.corner_density},
                    {"density_gradient", options.density_gradient},
                    {"scale", grid(options).scale[0]},

@@ -24,6 +24,7 @@ struct SynthOptions {
   std::uint64_t points = 1'000'000;  ///< of all scans together
   int scans = 1;                     ///< each covers three quarters of the surface, one covers all
   double noise = 0;                  ///< standard deviation along the normal, in mean spacings
+  double jitter = 0.25;              ///< how far samples are off a lattice, in the scan's spacings
   double corner_density = 1;         ///< of a sixteenth of the surface, over that of the rest
   double density_gradient = 1;       ///< of the densest place over the sparsest, changing smoothly
   World3 offset{0, 0, 0};            ///< added to all coordinates

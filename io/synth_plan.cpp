@@ -10,8 +10,7 @@
 namespace pss {
 namespace {
 
-constexpr double kCorner = 0.25;    // the side of the denser corner in u and v
-constexpr double kCoverage = 0.75;  // of the surface by one of several scans
+constexpr double kCorner = 0.25;  // the side of the denser corner in u and v
 constexpr double kLargestFraction = 1 - 0x1p-53;
 constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;  // 2^64 / phi
 constexpr double kScatter = 0.754877666246692760;      // the inverse of the plastic number
@@ -111,6 +110,8 @@ std::vector<SynthPlan::Patch> SynthPlan::patches_of(const SynthOptions& options,
     patch.count = last ? left : part_of(left, patch.share);
     left -= patch.count;
     weight -= patch.weight;
+    patch.spacing = std::sqrt(patch.width * patch.height /
+                              static_cast<double>(std::max<std::uint64_t>(patch.count, 1)));
     patch.step = patch.count > 0 ? ~std::uint64_t{0} / patch.count : 0;
     patch.stride = stride_over(patch.count, options.order);
     patch.shift_u = random_bits(~options.seed, (scan * 64 + i) * 2);
@@ -164,8 +165,8 @@ Place SynthPlan::place_in(const Patch& patch, std::uint64_t lattice_point) const
   if (u >= 1) u -= 1;
   u = std::min(u, kLargestFraction);
   const double v = std::min(patch.v + patch.height * up, kLargestFraction);
-  if (wave_ == 0) return {u, v};
-  return {bend(u, wave_), bend(v, wave_)};
+  if (wave_ == 0) return {u, v, patch.spacing};
+  return {bend(u, wave_), bend(v, wave_), patch.spacing};
 }
 
 }  // namespace pss

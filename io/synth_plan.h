@@ -9,10 +9,14 @@
 
 namespace pss {
 
-/// A place of the unit square.
+/// The part of the surface that one of several scans covers.
+inline constexpr double kCoverage = 0.75;
+
+/// A place of the unit square, and the spacing about it where the square has the area 1.
 struct Place {
   double u = 0;
   double v = 0;
+  double spacing = 0;
 };
 
 /// The places of all records, computed from their number alone.
@@ -40,6 +44,7 @@ class SynthPlan {
     double weight = 0;        ///< area times density
     std::uint64_t share = 0;  ///< of the records that the patches before have left, over 2^64
     std::uint64_t count = 0;
+    double spacing = 0;
     std::uint64_t step = 0;    ///< 2^64 / count
     std::uint64_t stride = 0;  ///< from a record's lattice point to the next one's, modulo count
     std::uint64_t shift_u = 0, shift_v = 0;  ///< over 2^64

@@ -70,6 +70,21 @@ TEST_P(EverySurface, AStepAlongTheNormalIsTheDistance) {
   }
 }
 
+TEST_P(EverySurface, APlaceCloseBySettlesOnThePointBelow) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> unit(0, 1);
+  for (int i = 0; i < 500; ++i) {
+    const SurfacePoint s = surface_point(GetParam(), unit(random), unit(random));
+
+    const SurfacePoint settled = settle(GetParam(), moved(s.position, s.normal, 1e-4 * size()));
+
+    const Foot foot = foot_of(GetParam(), settled.position);
+    EXPECT_NEAR(foot.distance, 0, 1e-14 * size());
+    EXPECT_NEAR(dot(foot.normal, settled.normal), 1, 1e-12);
+    EXPECT_LT(distance(settled.position, s.position), 1e-4 * size());
+  }
+}
+
 TEST_P(EverySurface, NoSampleIsNearerThanTheFoot) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> unit(0, 1);

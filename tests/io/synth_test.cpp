@@ -205,16 +205,30 @@ TEST(SynthReader, TheNoiseIsNormalWithTheSigmaAskedFor) {
 }
 
 /// The golden lattice's shortest distance is sqrt(2 / sqrt(5)) = 0.946 under every stretching.
-TEST(SynthReader, SpacesItsPointsEvenly) {
+TEST(SynthReader, SpacesItsPointsEvenlyWithoutJitter) {
   for (const Surface& surface :
        {Surface(Torus{}), Surface(Sphere{}), Surface(Plane{10, 40, 0.1, 0}), Surface(Terrain())}) {
-    const SynthOptions options = options_for(surface, 40'000);
+    SynthOptions options = options_for(surface, 40'000);
+    options.jitter = 0;
     const double s = spacing(options);
     std::vector<double> nearest = nearest_distances(places(options), 1.2 * s);
     std::ranges::sort(nearest);
 
     EXPECT_GT(nearest[nearest.size() / 50], 0.8 * s) << shape_name(surface);
     EXPECT_LT(nearest.back(), 1.4 * s) << shape_name(surface);
+  }
+}
+
+/// Two points of the lattice come nearer by at most twice the jitter: 0.946 - 0.5.
+TEST(SynthReader, JitterKeepsPointsApart) {
+  for (const Surface& surface : {Surface(Torus{}), Surface(Terrain())}) {
+    const SynthOptions options = options_for(surface, 40'000);
+    const double s = spacing(options);
+    std::vector<double> nearest = nearest_distances(places(options), 1.2 * s);
+    std::ranges::sort(nearest);
+
+    EXPECT_GT(nearest[nearest.size() / 50], 0.44 * s) << shape_name(surface);
+    EXPECT_LT(nearest[nearest.size() / 2], 0.9 * s) << shape_name(surface);
   }
 }
 
@@ -251,8 +265,8 @@ TEST(SynthReader, CoversEveryPlaceByTwoOfThreeScans) {
       low = std::min(low, step * static_cast<double>(batch.index[i][0]));
       high = std::max(high, step * static_cast<double>(batch.index[i][0]));
     }
-    EXPECT_NEAR(low, -50 + 12.5 * static_cast<double>(scan), 0.1);
-    EXPECT_NEAR(high, 25 + 12.5 * static_cast<double>(scan), 0.1);
+    EXPECT_NEAR(low, -50 + 12.5 * static_cast<double>(scan), 0.3);
+    EXPECT_NEAR(high, 25 + 12.5 * static_cast<double>(scan), 0.3);
   }
 }
 
@@ -288,7 +302,7 @@ TEST(SynthReader, ScattersRecordsUnlessToldToSweep) {
   const double sweeping = mean_step(places(options));
 
   EXPECT_GT(scattered, 20);
-  EXPECT_LT(sweeping, 0.05);
+  EXPECT_LT(sweeping, 0.5);
 }
 
 TEST(SynthReader, PointsStayWithinTheHeadersBounds) {
@@ -322,6 +336,7 @@ TEST(SynthOptions, RefusesWhatMakesNoSense) {
   EXPECT_TRUE(refused([](SynthOptions& o) { o.scans = 0; }));
   EXPECT_TRUE(refused([](SynthOptions& o) { o.noise = -1; }));
   EXPECT_TRUE(refused([](SynthOptions& o) { o.noise = std::nan(""); }));
+  EXPECT_TRUE(refused([](SynthOptions& o) { o.jitter = -0.1; }));
   EXPECT_TRUE(refused([](SynthOptions& o) { o.corner_density = 0; }));
   EXPECT_TRUE(refused([](SynthOptions& o) { o.density_gradient = 0.5; }));
   EXPECT_TRUE(refused([](SynthOptions& o) { o.scale = 1e-14; }));
