@@ -1,0 +1,263 @@
+#include "stream/ingest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "io/file.h"
+#include "stream/chunk.h"
+#include "stream/disk_need.h"
+#include "stream/encode_blocks.h"
+#include "stream/ingest_memory.h"
+#include "stream/input_stream.h"
+#include "stream/merge.h"
+#include "stream/run_log.h"
+#include "stream/tile_writer.h"
+
+namespace pss {
+namespace {
+
+/// Seconds since it was made.
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string runs_folder(const std::string& work_dir) { return work_dir + "/runs"; }
+
+/// The times of a run of the program are no part of what it makes.
+std::string stored_summary(IngestSummary summary) {
+  summary.read_seconds = 0;
+  summary.merge_seconds = 0;
+  return to_json(summary);
+}
+
+class Ingest {
+ public:
+  Ingest(const IngestPlan& plan, const std::string& store_path, const std::string& work_dir,
+         const IngestOptions& options, MemoryBudget& budget, Monitor& monitor)
+      : plan_(plan),
+        store_path_(store_path),
+        work_dir_(work_dir),
+        options_(options),
+        budget_(budget),
+        monitor_(monitor) {}
+
+  Result<IngestSummary> run() {
+    if (is_store(store_path_)) {
+      PSS_ASSIGN(StoreWriter store, StoreWriter::resume(store_path_, plan_.header));
+      if (store.complete()) return finished(store);
+      store_ = std::move(store);
+    }
+    PSS_ASSIGN(RunLog log, RunLog::open(runs_folder(work_dir_), plan_.header));
+    log_ = std::move(log);
+    PSS_ASSIGN(memory_, divide_memory(plan_.header, plan_.points, budget_));
+    PSS_TRY(check_room());
+    PSS_TRY(read_inputs());
+    if (!done_) PSS_TRY(merge_runs());
+    return finish();
+  }
+
+ private:
+  const Schema& schema() const { return plan_.header.schema; }
+
+  Result<IngestSummary> finished(const StoreWriter& store) const {
+    PSS_TRY(remove_all(runs_folder(work_dir_)));
+    return ingest_summary_from_json(store.summary());
+  }
+
+  Result<Reservation> reserve(std::uint64_t bytes) {
+    if (auto reservation = budget_.reserve(bytes)) return *std::move(reservation);
+    return Error{Fault::kMemoryLimit,
+                 fmt::format("sorting needs {} bytes, {} are left of the memory limit", bytes,
+                             budget_.available())};
+  }
+
+  Result<void> check_room() {
+    const IngestState& state = log_->state();
+    const std::uint64_t stored = store_ ? store_->points() : 0;
+    const auto left = [&](std::uint64_t done) {
+      return plan_.points - std::min(plan_.points, done);
+    };
+    const bool short_path = state.runs.empty() && plan_.points <= memory_.chunk_points;
+    return check_disk(plan_, {short_path ? 0 : left(state.summary.points_read), left(stored)},
+                      store_path_, work_dir_, monitor_);
+  }
+
+  /// Reads from the cursor to the end of the inputs, a run at a time.
+  Result<void> read_inputs() {
+    const IngestState& state = log_->state();
+    if (state.cursor.input == plan_.inputs.size()) return {};
+    const Stopwatch watch;
+    const double seconds_before = state.summary.read_seconds;
+    monitor_.begin("read", plan_.points);
+    monitor_.advance(state.summary.points_read);
+    PSS_ASSIGN(Reservation reservation, reserve(memory_.read_bytes));
+    InputStream in(plan_, options_.source_column, state.cursor, state.summary);
+    Chunk chunk(memory_.chunk_points, schema().row_size());
+    while (!in.ended()) {
+      PSS_TRY(fill(in, chunk));
+      PSS_TRY(chunk.sort(monitor_));
+      summary_ = in.summary();
+      summary_.read_seconds = seconds_before + watch.seconds();
+      if (in.ended() && state.runs.empty()) {
+        PSS_ASSIGN(done_, write_short(chunk, reservation));
+        if (done_) return {};
+      }
+      PSS_TRY(write_run(chunk, in.cursor(), seconds_before, watch));
+      chunk.clear();
+    }
+    return {};
+  }
+
+  Result<void> fill(InputStream& in, Chunk& chunk) {
+    KeyedRows batch;
+    while (!in.ended() && chunk.room() >= memory_.batch_points) {
+      PSS_TRY(check_stopping("reading points"));
+      const std::uint64_t before = in.summary().points_read;
+      PSS_TRY(in.read(memory_.batch_points, batch));
+      chunk.add(batch);
+      monitor_.advance(in.summary().points_read - before);
+    }
+    return {};
+  }
+
+  Result<void> check_stopping(const char* what) const {
+    if (!monitor_.stopping()) return {};
+    return Error{Fault::kInterrupted, fmt::format("stopped while {}", what)};
+  }
+
+  Result<void> write_run(const Chunk& chunk, const Cursor& cursor, double seconds_before,
+                         const Stopwatch& watch) {
+    PSS_ASSIGN(RunWriter run, RunWriter::create(log_->folder(), log_->state().next_id));
+    std::size_t first = 0;
+    PSS_TRY(encode_blocks(
+        schema(), chunk.size(), kRunBlockPoints,
+        [&](std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) {
+          chunk.get(begin, positions, rows);
+        },
+        [&](const EncodedBlock& block) {
+          const Key& key = chunk.key(first);
+          first += block.count;
+          return run.append(key, block);
+        },
+        monitor_));
+    PSS_ASSIGN(const RunInfo info, run.finish());
+    summary_.read_seconds = seconds_before + watch.seconds();
+    return log_->add(info, cursor, summary_);
+  }
+
+  /// Everything fits in memory: straight to tiles. False where the tiles' buffers do not fit too.
+  Result<bool> write_short(const Chunk& chunk, Reservation& reservation) {
+    // The scratch of the sort is free again.
+    const std::uint64_t held = memory_.chunk_points * Chunk::bytes_per_point(schema().row_size());
+    reservation.release();
+    const std::uint64_t needed = held + tile_writer_memory(plan_.header, chunk.size());
+    auto both = budget_.reserve(needed);
+    if (!both) {
+      PSS_ASSIGN(reservation, reserve(memory_.read_bytes));
+      return false;
+    }
+    PSS_TRY(open_store());
+    ChunkStream stream(chunk, static_cast<std::size_t>(std::min<std::uint64_t>(
+                                  resume_point(*store_).rows, chunk.size())));
+    PSS_TRY(merge_into_tiles(stream, chunk.size()));
+    return true;
+  }
+
+  Result<void> open_store() {
+    if (store_) return {};
+    PSS_ASSIGN(StoreWriter store, StoreWriter::create(store_path_, plan_.header));
+    store_ = std::move(store);
+    return {};
+  }
+
+  Result<void> merge_into_tiles(SortedStream& stream, std::uint64_t points) {
+    const Stopwatch watch;
+    monitor_.begin("merge", points);
+    monitor_.advance(store_->points(), store_->tiles().size());
+    PSS_TRY(write_tiles(stream, plan_.header, points, *store_, monitor_));
+    summary_.merge_seconds += watch.seconds();
+    return {};
+  }
+
+  Result<void> merge_runs() {
+    summary_ = log_->state().summary;
+    PSS_ASSIGN(const Reservation reservation, reserve(memory_.merge_bytes));
+    const auto& runs = log_->state().runs;
+    const Stopwatch watch;
+    while (runs.size() > memory_.fan_in)
+      PSS_TRY(merge_some(std::min(memory_.fan_in, runs.size() - memory_.fan_in + 1)));
+    summary_.merge_seconds = watch.seconds();
+    PSS_TRY(open_store());
+    PSS_ASSIGN(MergeStream stream,
+               MergeStream::open(log_->folder(), runs, schema(), resume_point(*store_).key));
+    std::uint64_t points = 0;
+    for (const RunInfo& run : runs) points += run.points;
+    return merge_into_tiles(stream, points);
+  }
+
+  /// One run from the first `count`: they are more than can be merged into tiles at once.
+  Result<void> merge_some(std::size_t count) {
+    const auto runs = std::span(log_->state().runs).first(count);
+    std::uint64_t points = 0;
+    for (const RunInfo& run : runs) points += run.points;
+    monitor_.begin("merge runs", points);
+    PSS_ASSIGN(MergeStream stream, MergeStream::open(log_->folder(), runs, schema(), std::nullopt));
+    PSS_ASSIGN(RunWriter out, RunWriter::create(log_->folder(), log_->state().next_id));
+    KeyedRows batch;
+    std::vector<Index3> positions;
+    for (;;) {
+      PSS_TRY(check_stopping("merging runs"));
+      PSS_TRY(stream.read(kRunBlockPoints, batch));
+      if (batch.size() == 0) break;
+      positions.resize(batch.size());
+      std::ranges::transform(batch.keys, positions.begin(), decode_key);
+      PSS_TRY(out.append(batch.keys[0], encode_block(schema(), positions, batch.rows)));
+      monitor_.advance(batch.size());
+    }
+    PSS_ASSIGN(const RunInfo info, out.finish());
+    return log_->replace(count, info);
+  }
+
+  Result<IngestSummary> finish() {
+    summary_.points_stored = store_->points();
+    if (summary_.points_read - summary_.dropped_not_finite != summary_.points_stored)
+      return Error{
+          Fault::kFailed,
+          fmt::format("{}: {} points stored, {} read and {} dropped; use --restart", store_path_,
+                      summary_.points_stored, summary_.points_read, summary_.dropped_not_finite)};
+    PSS_TRY(store_->finish(stored_summary(summary_)));
+    PSS_TRY(remove_all(runs_folder(work_dir_)));
+    return summary_;
+  }
+
+  const IngestPlan& plan_;
+  const std::string& store_path_;
+  const std::string& work_dir_;
+  const IngestOptions& options_;
+  MemoryBudget& budget_;
+  Monitor& monitor_;
+  IngestMemory memory_;
+  std::optional<StoreWriter> store_;
+  std::optional<RunLog> log_;
+  IngestSummary summary_;
+  bool done_ = false;  ///< all tiles are written, without any run
+};
+
+}  // namespace
+
+Result<IngestSummary> ingest(const IngestPlan& plan, const std::string& store_path,
+                             const std::string& work_dir, const IngestOptions& options,
+                             MemoryBudget& budget, Monitor& monitor) {
+  return Ingest(plan, store_path, work_dir, options, budget, monitor).run();
+}
+
+}  // namespace pss

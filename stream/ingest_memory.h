@@ -1,0 +1,26 @@
+#pragma once
+// How ingest divides what the memory limit leaves: batches, chunks, and how many runs at once.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/result.h"
+#include "stream/manifest.h"
+#include "stream/memory.h"
+
+namespace pss {
+
+struct IngestMemory {
+  std::size_t batch_points = 0;   ///< read at once
+  std::size_t chunk_points = 0;   ///< sorted at once
+  std::size_t fan_in = 0;         ///< runs merged at once
+  std::uint64_t read_bytes = 0;   ///< what reading, sorting and writing a run holds
+  std::uint64_t merge_bytes = 0;  ///< what merging `fan_in` runs into tiles holds
+};
+
+/// Shape:  `points` as promised by the inputs; it bounds what is asked for, not what may come.
+/// Errors: kMemoryLimit, with the limit that would do.
+Result<IngestMemory> divide_memory(const StoreHeader& header, std::uint64_t points,
+                                   const MemoryBudget& budget);
+
+}  // namespace pss

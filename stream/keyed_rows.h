@@ -1,0 +1,34 @@
+#pragma once
+// Points on their way into a store: a key and the bytes of a row each, and the one order of them.
+
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "core/morton.h"
+
+namespace pss {
+
+/// Points as parallel arrays: the row of point i begins at rows[i * row_size].
+struct KeyedRows {
+  std::size_t row_size = 0;
+  std::vector<Key> keys;
+  std::vector<std::byte> rows;
+
+  std::size_t size() const { return keys.size(); }
+  const std::byte* row(std::size_t i) const { return rows.data() + i * row_size; }
+  void clear() {
+    keys.clear();
+    rows.clear();
+  }
+};
+
+/// The order of points: key, then the bytes of the row. Equal points are interchangeable.
+inline bool before(const Key& a, const std::byte* row_a, const Key& b, const std::byte* row_b,
+                   std::size_t row_size) {
+  if (a != b) return a < b;
+  return row_size > 0 && std::memcmp(row_a, row_b, row_size) < 0;
+}
+
+}  // namespace pss

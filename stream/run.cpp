@@ -1,0 +1,184 @@
+#include "stream/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "stream/bytes.h"
+#include "stream/hash.h"
+
+namespace pss {
+namespace {
+
+constexpr std::size_t kIndexEntry = 2 * sizeof(std::uint64_t) + sizeof(std::uint64_t);
+/// Written bytes are handed to the disk this often, so that the last sync does not take seconds.
+constexpr std::uint64_t kSyncEvery = 64 << 20;
+
+/// A block's head: count, size and hash of each column, hash of the head, seeded with its offset.
+std::size_t head_size(const Schema& schema) {
+  return 4 + (1 + schema.fields().size()) * (4 + 8) + 8;
+}
+
+std::vector<std::byte> encode_head(const EncodedBlock& block, std::uint64_t offset) {
+  std::vector<std::byte> head;
+  ByteWriter writer(head);
+  writer.put(block.count);
+  for (const ColumnInfo& column : block.columns) {
+    writer.put(column.size);
+    writer.put(column.hash);
+  }
+  writer.put(hash64(head, offset));
+  return head;
+}
+
+/// The columns of a head's block, which begin at `offset`; empty where the head is damaged.
+std::vector<ColumnInfo> parse_head(std::span<const std::byte> head, std::uint64_t head_offset,
+                                   const Schema& schema, std::size_t& count) {
+  ByteReader reader(head);
+  std::uint64_t offset = head_offset + head.size();
+  count = reader.get<std::uint32_t>();
+  std::vector<ColumnInfo> columns(1 + schema.fields().size());
+  bool good = count > 0 && count <= kRunBlockPoints;
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    columns[c].offset = offset;
+    columns[c].size = reader.get<std::uint32_t>();
+    columns[c].hash = reader.get<std::uint64_t>();
+    offset += columns[c].size;
+    good = good && columns[c].size <= column_limit(schema, c, count);
+  }
+  good = good && reader.get<std::uint64_t>() == hash64(head.first(head.size() - 8), head_offset);
+  return good ? columns : std::vector<ColumnInfo>();
+}
+
+Key get_key(ByteReader& reader) {
+  Key key;
+  key.high = reader.get<std::uint64_t>();
+  key.low = reader.get<std::uint64_t>();
+  return key;
+}
+
+}  // namespace
+
+std::string run_path(const std::string& folder, std::uint64_t id) {
+  return fmt::format("{}/run-{:06}", folder, id);
+}
+
+RunWriter::RunWriter(File file, std::string folder, std::uint64_t id)
+    : file_(std::move(file)), folder_(std::move(folder)) {
+  info_.id = id;
+}
+
+Result<RunWriter> RunWriter::create(const std::string& folder, std::uint64_t id) {
+  PSS_ASSIGN(File file, File::create(run_path(folder, id)));
+  return RunWriter(std::move(file), folder, id);
+}
+
+Result<void> RunWriter::write(std::span<const std::byte> bytes) {
+  PSS_TRY(file_.write(size_, bytes));
+  size_ += bytes.size();
+  if (size_ - synced_ < kSyncEvery) return {};
+  synced_ = size_;
+  return file_.sync();
+}
+
+Result<void> RunWriter::append(const Key& first, const EncodedBlock& block) {
+  ByteWriter index(index_);
+  index.put(first.high);
+  index.put(first.low);
+  index.put(size_);
+  PSS_TRY(write(encode_head(block, size_)));
+  PSS_TRY(write(block.bytes));
+  info_.points += block.count;
+  ++info_.blocks;
+  return {};
+}
+
+Result<RunInfo> RunWriter::finish() {
+  info_.data_size = size_;
+  ByteWriter(index_).put(hash64(index_, size_));
+  PSS_TRY(write(index_));
+  PSS_TRY(file_.sync());
+  PSS_TRY(sync_directory(folder_));
+  return info_;
+}
+
+RunReader::RunReader(File file, const RunInfo& info, const Schema& schema)
+    : file_(std::move(file)), info_(info), schema_(&schema) {}
+
+Result<RunReader> RunReader::open(const std::string& folder, const RunInfo& info,
+                                  const Schema& schema) {
+  PSS_ASSIGN(File file, File::open(run_path(folder, info.id)));
+  PSS_ASSIGN(const std::uint64_t size, file.size());
+  const std::uint64_t expected = info.data_size + info.blocks * kIndexEntry + 8;
+  if (size != expected)
+    return Error{Fault::kBadInput, fmt::format("{}: {} bytes found, {} expected; use --restart",
+                                               file.path(), size, expected)};
+  return RunReader(std::move(file), info, schema);
+}
+
+Error RunReader::damaged(std::uint64_t offset) const {
+  return {Fault::kBadInput,
+          fmt::format("{}: damaged at offset {}: the bytes do not match their checksum; use "
+                      "--restart",
+                      file_.path(), offset)};
+}
+
+Result<void> RunReader::seek(const Key& key) {
+  // The index is bounded by the file's own size, which open() has checked.
+  std::vector<std::byte> bytes(info_.blocks * kIndexEntry + 8);
+  PSS_TRY(file_.read(info_.data_size, bytes));
+  const auto entries = std::span(bytes).first(bytes.size() - 8);
+  ByteReader last{std::span(bytes).last(8)};
+  if (last.get<std::uint64_t>() != hash64(entries, info_.data_size))
+    return damaged(info_.data_size);
+  ByteReader reader(entries);
+  offset_ = 0;
+  for (std::uint64_t b = 0; b < info_.blocks; ++b) {
+    const Key first = get_key(reader);
+    const auto offset = reader.get<std::uint64_t>();
+    // Points with this very key may begin in the block before.
+    if (first >= key) break;
+    offset_ = offset;
+  }
+  return {};
+}
+
+Result<void> RunReader::next(KeyedRows& out) {
+  out.clear();
+  if (offset_ >= info_.data_size) return {};
+  std::vector<std::byte> head(head_size(*schema_));
+  PSS_TRY(file_.read(offset_, head));
+  std::size_t count = 0;
+  const auto columns = parse_head(head, offset_, *schema_, count);
+  if (columns.empty()) return damaged(offset_);
+  out.row_size = schema_->row_size();
+  out.keys.resize(count);
+  out.rows.resize(count * out.row_size);
+  PSS_TRY(decode(columns, out));
+  offset_ = columns.back().offset + columns.back().size;
+  return {};
+}
+
+Result<void> RunReader::decode(std::span<const ColumnInfo> columns, KeyedRows& out) {
+  const std::uint64_t start = columns.front().offset;
+  std::vector<std::byte> bytes(columns.back().offset + columns.back().size - start);
+  PSS_TRY(file_.read(start, bytes));
+  std::vector<Index3> positions(out.size());
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const auto column = std::span(bytes).subspan(columns[c].offset - start, columns[c].size);
+    const auto& fields = schema_->fields();
+    if (hash64(column) != columns[c].hash ||
+        !(c == 0 ? decode_positions(column, positions)
+                 : decode_field(fields[c - 1], column, out.size(),
+                                out.rows.data() + schema_->position(c - 1), out.row_size)))
+      return damaged(columns[c].offset);
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (!on_lattice(positions[i])) return damaged(start);
+    out.keys[i] = encode_key(positions[i]);
+  }
+  return {};
+}
+
+}  // namespace pss

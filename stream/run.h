@@ -1,0 +1,77 @@
+#pragma once
+// A run: a file of points in order, as compressed blocks, that is written once and merged once.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/morton.h"
+#include "core/result.h"
+#include "io/file.h"
+#include "io/schema.h"
+#include "stream/block.h"
+#include "stream/keyed_rows.h"
+
+namespace pss {
+
+inline constexpr std::size_t kRunBlockPoints = 2048;
+
+/// What the run log says of a run.
+struct RunInfo {
+  std::uint64_t id = 0;
+  std::uint64_t points = 0;
+  std::uint64_t blocks = 0;
+  std::uint64_t data_size = 0;  ///< the index of first keys follows at this offset
+
+  bool operator==(const RunInfo&) const = default;
+};
+
+std::string run_path(const std::string& folder, std::uint64_t id);
+
+/// Writes a run: points come in order, any number at a time.
+class RunWriter {
+ public:
+  static Result<RunWriter> create(const std::string& folder, std::uint64_t id);
+
+  /// `first` is the key of the block's first point.
+  Result<void> append(const Key& first, const EncodedBlock& block);
+  /// Index, sync, and the file's name made durable.
+  Result<RunInfo> finish();
+
+ private:
+  RunWriter(File file, std::string folder, std::uint64_t id);
+  Result<void> write(std::span<const std::byte> bytes);
+  File file_;
+  std::string folder_;
+  RunInfo info_;
+  std::uint64_t size_ = 0;
+  std::uint64_t synced_ = 0;
+  std::vector<std::byte> index_;
+};
+
+/// Reads a run block by block.
+///
+/// Errors: kBadInput with file and offset where the bytes are not those that were written.
+class RunReader {
+ public:
+  static Result<RunReader> open(const std::string& folder, const RunInfo& info,
+                                const Schema& schema);
+
+  /// Goes to the first block that may hold a point with a key not below `key`.
+  Result<void> seek(const Key& key);
+  /// Replaces `out` by the next block's points; empty at the end.
+  Result<void> next(KeyedRows& out);
+
+ private:
+  RunReader(File file, const RunInfo& info, const Schema& schema);
+  Result<void> decode(std::span<const ColumnInfo> columns, KeyedRows& out);
+  Error damaged(std::uint64_t offset) const;
+  File file_;
+  RunInfo info_;
+  const Schema* schema_;
+  std::uint64_t offset_ = 0;
+};
+
+}  // namespace pss

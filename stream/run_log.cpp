@@ -1,0 +1,141 @@
+#include "stream/run_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "io/file.h"
+#include "stream/bytes.h"
+
+namespace pss {
+namespace {
+
+enum class Kind : std::uint32_t { kPlan = 1, kRun = 2, kMerged = 3 };
+
+std::string log_path(const std::string& folder) { return folder + "/log"; }
+
+void put(ByteWriter& w, const RunInfo& run) {
+  w.put(run.id);
+  w.put(run.points);
+  w.put(run.blocks);
+  w.put(run.data_size);
+}
+
+RunInfo get_run(ByteReader& r) {
+  RunInfo run;
+  run.id = r.get<std::uint64_t>();
+  run.points = r.get<std::uint64_t>();
+  run.blocks = r.get<std::uint64_t>();
+  run.data_size = r.get<std::uint64_t>();
+  return run;
+}
+
+void put(ByteWriter& w, const IngestSummary& s) {
+  w.put(s.points_read);
+  w.put(s.dropped_not_finite);
+  w.put(s.moved_to_lattice);
+  w.put(s.largest_move);
+  w.put(s.read_seconds);
+}
+
+IngestSummary get_summary(ByteReader& r) {
+  IngestSummary s;
+  s.points_read = r.get<std::uint64_t>();
+  s.dropped_not_finite = r.get<std::uint64_t>();
+  s.moved_to_lattice = r.get<std::uint64_t>();
+  s.largest_move = r.get<double>();
+  s.read_seconds = r.get<double>();
+  return s;
+}
+
+Error other_plan(const std::string& folder) {
+  return {Fault::kFailed, fmt::format("{}: holds the runs of other inputs or parameters; use "
+                                      "--restart",
+                                      folder)};
+}
+
+}  // namespace
+
+Result<RunLog> RunLog::open(const std::string& folder, const StoreHeader& header) {
+  RunLog log;
+  log.folder_ = folder;
+  const auto plan = encode_header(header);
+  PSS_TRY(make_directories(folder));
+  if (!exists(log_path(folder))) {
+    PSS_ASSIGN(LogWriter writer,
+               LogWriter::create(log_path(folder), static_cast<std::uint32_t>(Kind::kPlan), plan));
+    log.log_ = std::move(writer);
+    return log;
+  }
+  PSS_ASSIGN(LogWriter writer, LogWriter::open(log_path(folder), [&](const LogRecord& r) {
+               return log.visit(r, plan);
+             }));
+  log.log_ = std::move(writer);
+  return log;
+}
+
+Result<void> RunLog::visit(const LogRecord& record, std::span<const std::byte> plan) {
+  const auto kind = static_cast<Kind>(record.type);
+  if (kind == Kind::kPlan)
+    return std::ranges::equal(record.payload, plan) ? Result<void>() : other_plan(folder_);
+  ByteReader reader(record.payload);
+  const RunInfo run = get_run(reader);
+  if (kind == Kind::kRun) {
+    state_.cursor.input = reader.get<std::uint64_t>();
+    state_.cursor.record = reader.get<std::uint64_t>();
+    state_.summary = get_summary(reader);
+    state_.runs.push_back(run);
+    state_.next_id = run.id + 1;
+    if (reader.finished()) return {};
+  }
+  if (kind == Kind::kMerged) {
+    const auto count = reader.get<std::uint64_t>();
+    if (reader.finished() && count <= state_.runs.size()) return replace_in_state(count, run);
+  }
+  return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the record makes no sense; "
+                                             "use --restart",
+                                             log_path(folder_), record.offset)};
+}
+
+Result<void> RunLog::replace_in_state(std::size_t count, const RunInfo& run) {
+  const std::vector<RunInfo> old(state_.runs.begin(),
+                                 state_.runs.begin() + static_cast<std::ptrdiff_t>(count));
+  state_.runs.erase(state_.runs.begin(), state_.runs.begin() + static_cast<std::ptrdiff_t>(count));
+  state_.runs.push_back(run);
+  state_.next_id = run.id + 1;
+  return remove_files(old);
+}
+
+Result<void> RunLog::remove_files(std::span<const RunInfo> runs) const {
+  for (const RunInfo& run : runs) PSS_TRY(remove_all(run_path(folder_, run.id)));
+  return {};
+}
+
+Result<void> RunLog::add(const RunInfo& run, const Cursor& cursor, const IngestSummary& summary) {
+  std::vector<std::byte> payload;
+  ByteWriter writer(payload);
+  put(writer, run);
+  writer.put(cursor.input);
+  writer.put(cursor.record);
+  put(writer, summary);
+  PSS_TRY(log_->append(static_cast<std::uint32_t>(Kind::kRun), payload));
+  PSS_TRY(log_->sync());
+  state_.cursor = cursor;
+  state_.summary = summary;
+  state_.runs.push_back(run);
+  state_.next_id = run.id + 1;
+  return {};
+}
+
+Result<void> RunLog::replace(std::size_t count, const RunInfo& run) {
+  std::vector<std::byte> payload;
+  ByteWriter writer(payload);
+  put(writer, run);
+  writer.put(static_cast<std::uint64_t>(count));
+  PSS_TRY(log_->append(static_cast<std::uint32_t>(Kind::kMerged), payload));
+  PSS_TRY(log_->sync());
+  return replace_in_state(count, run);
+}
+
+}  // namespace pss

@@ -1,0 +1,61 @@
+#pragma once
+// How far an ingest is: the finished runs, what they cover of the inputs, what was dropped so far.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "stream/ingest.h"
+#include "stream/log.h"
+#include "stream/run.h"
+
+namespace pss {
+
+/// The next record to read: inputs before `input` are read whole.
+struct Cursor {
+  std::uint64_t input = 0;
+  std::uint64_t record = 0;
+
+  bool operator==(const Cursor&) const = default;
+};
+
+/// What a killed ingest goes on from.
+struct IngestState {
+  Cursor cursor;          ///< all before it is in the runs
+  IngestSummary summary;  ///< of all before the cursor
+  std::vector<RunInfo> runs;
+  std::uint64_t next_id = 0;
+};
+
+/// The log of a folder of runs.
+class RunLog {
+ public:
+  /// Goes on with the log of `folder`, or starts one. A file that no record speaks of is
+  /// overwritten by the next run.
+  ///
+  /// Errors: kFailed where the log is of another plan; kBadInput where it is damaged.
+  static Result<RunLog> open(const std::string& folder, const StoreHeader& header);
+
+  const IngestState& state() const { return state_; }
+  const std::string& folder() const { return folder_; }
+
+  /// A run holds all points between the cursor and `cursor`; durable when this returns.
+  Result<void> add(const RunInfo& run, const Cursor& cursor, const IngestSummary& summary);
+  /// A run takes the place of the first `count` runs, whose files are removed.
+  Result<void> replace(std::size_t count, const RunInfo& run);
+
+ private:
+  RunLog() = default;
+  Result<void> visit(const LogRecord& record, std::span<const std::byte> plan);
+  Result<void> replace_in_state(std::size_t count, const RunInfo& run);
+  Result<void> remove_files(std::span<const RunInfo> runs) const;
+  std::string folder_;
+  IngestState state_;
+  std::optional<LogWriter> log_;
+};
+
+}  // namespace pss
