@@ -172,7 +172,7 @@ void append_decimal(double value, double tolerance, std::string& text) {
   append_number(value, text);
 }
 
-std::string quoted(std::string_view token) {
+std::string in_quotes(std::string_view token) {
   constexpr std::size_t kMost = 40;
   std::string text = "'";
   for (const char c : token.substr(0, kMost)) text.push_back(c >= ' ' && c <= '~' ? c : '?');

@@ -34,6 +34,6 @@ void append_number(Type type, const std::byte* place, std::string& text);
 void append_decimal(double value, double tolerance, std::string& text);
 
 /// A token for an error message: at most 40 characters of it, unprintable ones as '?', in quotes.
-std::string quoted(std::string_view token);
+std::string in_quotes(std::string_view token);
 
 }  // namespace pss

@@ -79,7 +79,7 @@ class Parser {
 Result<PlyHeader> Parser::parse() {
   choose_line_end();
   PSS_ASSIGN(const std::string_view magic, next_line());
-  if (trimmed(magic) != "ply") return error("found " + quoted(magic) + ", expected 'ply'");
+  if (trimmed(magic) != "ply") return error("found " + in_quotes(magic) + ", expected 'ply'");
   for (bool done = false; !done;) {
     PSS_ASSIGN(const std::string_view line, next_line());
     PSS_ASSIGN(done, parse_line(trimmed(line)));
@@ -126,7 +126,7 @@ Result<void> Parser::parse_keyword(std::string_view keyword, std::string_view re
   if (keyword == "format") return parse_format(rest);
   if (keyword == "element") return parse_element(rest);
   if (keyword == "property") return parse_property(rest);
-  return error("found " + quoted(keyword) +
+  return error("found " + in_quotes(keyword) +
                ", expected format, comment, obj_info, element, property or end_header");
 }
 
@@ -135,7 +135,7 @@ Result<void> Parser::parse_format(std::string_view rest) {
   const std::string_view version = next_token(rest);
   const auto known = std::ranges::find(kEncodingWords, word, &EncodingWord::word);
   if (known == kEncodingWords.end() || version != "1.0" || !trimmed(rest).empty())
-    return error("found " + quoted(word) + " " + quoted(version) +
+    return error("found " + in_quotes(word) + " " + in_quotes(version) +
                  ", expected ascii, binary_little_endian or binary_big_endian and 1.0");
   header_.encoding = known->encoding;
   has_format_ = true;
@@ -149,11 +149,12 @@ Result<void> Parser::parse_element(std::string_view rest) {
   const auto [end, fault] =
       std::from_chars(count.data(), count.data() + count.size(), element.count);
   if (fault != std::errc{} || end != count.data() + count.size() || !trimmed(rest).empty())
-    return error("found count " + quoted(count) + " of element " + quoted(element.name) +
+    return error("found count " + in_quotes(count) + " of element " + in_quotes(element.name) +
                  ", expected one number from 0 to 2^64 - 1");
   if (header_.elements.size() == kPlyPropertyLimit)
     return error(fmt::format("more than {} elements", kPlyPropertyLimit));
-  if (header_.find(element.name)) return error("element " + quoted(element.name) + " comes twice");
+  if (header_.find(element.name))
+    return error("element " + in_quotes(element.name) + " comes twice");
   header_.elements.push_back(std::move(element));
   return {};
 }
@@ -178,7 +179,7 @@ Result<void> Parser::parse_property(std::string_view rest) {
 Result<Type> Parser::parse_type(std::string_view word) const {
   const auto known = std::ranges::find(kTypeWords, word, &Word::word);
   if (known == kTypeWords.end())
-    return error("found type " + quoted(word) +
+    return error("found type " + in_quotes(word) +
                  ", expected char, uchar, short, ushort, int, uint, float or double");
   return known->type;
 }
@@ -188,10 +189,10 @@ Result<void> Parser::check_property(const PlyProperty& property) {
   if (++properties_ > kPlyPropertyLimit)
     return error(fmt::format("more than {} properties", kPlyPropertyLimit));
   if (property.length_type && is_float(*property.length_type))
-    return error("a list's length cannot be of type " + quoted(property.length_spelling));
+    return error("a list's length cannot be of type " + in_quotes(property.length_spelling));
   const auto& others = header_.elements.back().properties;
   if (std::ranges::find(others, property.name, &PlyProperty::name) != others.end())
-    return error("property " + quoted(property.name) + " comes twice");
+    return error("property " + in_quotes(property.name) + " comes twice");
   return {};
 }
 

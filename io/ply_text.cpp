@@ -66,7 +66,7 @@ Result<void> PlyTextReader::parse(std::string_view line, World3& position, std::
     return lines_.error(
         fmt::format("found {} behind the last of {} properties, expected the end "
                     "of the line",
-                    quoted(extra), count));
+                    in_quotes(extra), count));
   return {};
 }
 
@@ -79,7 +79,7 @@ Result<void> PlyTextReader::parse_value(std::size_t property, std::string_view& 
   std::array<std::byte, 8> value;
   const NumberFault fault = parse_number(token, slot.type, value.data());
   if (fault != NumberFault::kNone)
-    return lines_.error(fmt::format("found {} for property '{}', which {}", quoted(token),
+    return lines_.error(fmt::format("found {} for property '{}', which {}", in_quotes(token),
                                     file().vertices().properties[property].name,
                                     describe(fault, slot.type)));
   place_value(slot, value.data(), position, row);
@@ -90,7 +90,7 @@ Result<void> PlyTextReader::skip_list(std::size_t property, std::string_view len
                                       std::string_view& rest) {
   double count = 0;
   if (parse_number(length, count) != NumberFault::kNone || !(count >= 0))
-    return lines_.error("found " + quoted(length) + " as the length of a list");
+    return lines_.error("found " + in_quotes(length) + " as the length of a list");
   for (double i = 0; i < count; ++i)
     if (next_token(rest).empty()) return too_few(property);
   return {};

@@ -1,0 +1,132 @@
+#include "io/text_writer.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/file.h"
+#include "io/numbers.h"
+#include "io/positions.h"
+#include "io/text_plan.h"
+
+namespace pss {
+namespace {
+
+/// Text gathered before it goes to the file.
+constexpr std::size_t kPiece = std::size_t{64} << 10;
+
+/// What rounding may have done to offset + scale * integer.
+double decimal_tolerance(double offset, double value) {
+  return 0x1p-51 * (std::abs(offset) + std::abs(value));
+}
+
+class TextWriter final : public Writer {
+ public:
+  TextWriter(OutputFile output, TextPlan plan, const WriteOptions& options)
+      : output_(std::move(output)),
+        plan_(std::move(plan)),
+        grid_(options.grid),
+        row_size_(options.schema.row_size()),
+        promised_(options.count) {}
+
+  std::optional<Lattice> grid() const override { return std::nullopt; }
+  const std::vector<std::string>& notes() const override { return plan_.notes; }
+  Result<void> start();
+  Result<void> write(const PointBatch& batch) override;
+  Result<void> finish() override;
+
+ private:
+  void append_position(const PointBatch& batch, std::size_t point, std::size_t axis);
+  void append_value(const TextSource& source, const std::byte* row);
+  Result<void> flush();
+  Result<void> correct_count();
+
+  OutputFile output_;
+  TextPlan plan_;
+  std::optional<Lattice> grid_;
+  std::size_t row_size_;
+  std::uint64_t promised_;
+  std::uint64_t written_ = 0;
+  std::uint64_t count_offset_ = 0;
+  std::string pending_;
+};
+
+Result<void> TextWriter::start() {
+  const TextLayout& layout = plan_.layout;
+  for (const std::string& comment : layout.comments) pending_ += comment + "\n";
+  if (layout.header)
+    pending_ += *layout.header +
+                fmt::format("{}\n", fmt::join(layout.columns, std::string(1, layout.separator)));
+  count_offset_ = pending_.size();
+  if (layout.counted) pending_ += fmt::format("{}\n", promised_);
+  return flush();
+}
+
+Result<void> TextWriter::write(const PointBatch& batch) {
+  if (batch.size() > promised_ - written_)
+    return Error{Fault::kFailed, fmt::format("{}: got more points than the {} announced",
+                                             output_.path(), promised_)};
+  for (std::size_t i = 0; i < batch.size(); ++i, ++written_) {
+    for (const TextSource& source : plan_.sources) {
+      if (source.axis) {
+        append_position(batch, i, *source.axis);
+      } else {
+        append_value(source, batch.rows.data() + i * row_size_);
+      }
+      pending_.push_back(plan_.layout.separator);
+    }
+    pending_.back() = '\n';
+    if (pending_.size() >= kPiece) PSS_TRY(flush());
+  }
+  return {};
+}
+
+void TextWriter::append_position(const PointBatch& batch, std::size_t point, std::size_t axis) {
+  const double value = world_position(batch, grid_, point)[axis];
+  if (batch.index.empty()) return append_number(value, pending_);
+  append_decimal(value, decimal_tolerance(grid_->origin[axis], value), pending_);
+}
+
+void TextWriter::append_value(const TextSource& source, const std::byte* row) {
+  const Dimension& from = source.dimension;
+  const std::byte* place = row + from.position + source.element * size_of(from.type);
+  const bool scaled = from.scale != 1 || from.offset != 0;
+  if (!scaled && from.width == 0) return append_number(from.type, place, pending_);
+  const double value = read_value(from, row, source.element);
+  append_decimal(value, scaled ? decimal_tolerance(from.offset, value) : 0, pending_);
+}
+
+Result<void> TextWriter::flush() {
+  PSS_TRY(output_.append(std::string_view(pending_)));
+  pending_.clear();
+  return {};
+}
+
+Result<void> TextWriter::correct_count() {
+  const std::size_t width = fmt::formatted_size("{}", promised_);
+  const std::string digits = fmt::format("{:>{}}", written_, width);
+  return output_.patch(count_offset_, std::as_bytes(std::span(digits)));
+}
+
+Result<void> TextWriter::finish() {
+  PSS_TRY(flush());
+  if (plan_.layout.counted && written_ < promised_) PSS_TRY(correct_count());
+  return output_.finish();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Writer>> create_text(const std::string& path, const WriteOptions& options) {
+  PSS_ASSIGN(TextPlan plan, plan_text(path, options));
+  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite));
+  auto writer = std::make_unique<TextWriter>(std::move(output), std::move(plan), options);
+  PSS_TRY(writer->start());
+  return std::unique_ptr<Writer>(std::move(writer));
+}
+
+}  // namespace pss
