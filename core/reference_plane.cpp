@@ -64,7 +64,7 @@ Symmetric3 covariance(const StartSums& s, const World3& c) {
 }
 
 /// Whether one direction alone is the smallest, and the points spread along the other two.
-bool determines_plane(const Eigen3& e) {
+bool determines_plane(const EigenSystem& e) {
   const double least = kTie * e.values[2];
   return e.values[2] > 1e-24 && e.values[1] > least && e.values[1] - e.values[0] > least;
 }
@@ -76,7 +76,7 @@ ReferencePlane starting_plane(const Neighbourhood& near) {
   const StartSums sums = sum_about_query(near);
   if (sums.count < kFewest) return {Status::kTooFew};
   const World3 centroid = 1 / sums.w * sums.p;
-  const Eigen3 eigen = eigen_decomposition(covariance(sums, centroid));
+  const EigenSystem eigen = eigen_decomposition(covariance(sums, centroid));
   if (!determines_plane(eigen)) return {Status::kDegenerate};
   const World3 n = normalized(eigen.vectors[0]);
   return {Status::kOk, n, bounded(dot(n, centroid))};

@@ -43,7 +43,7 @@ bool negligible(const Matrix3& a, std::size_t p, std::size_t q) {
 
 }  // namespace
 
-Eigen3 eigen_decomposition(const Symmetric3& m) {
+EigenSystem eigen_decomposition(const Symmetric3& m) {
   constexpr int kMostSweeps = 12;  // convergence is quadratic: four or five do
   Matrix3 a{{{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}}};
   Matrix3 vectors{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -63,7 +63,7 @@ Eigen3 eigen_decomposition(const Symmetric3& m) {
   sort_pair(0, 1);
   sort_pair(1, 2);
   sort_pair(0, 1);
-  Eigen3 result;
+  EigenSystem result;
   for (std::size_t i = 0; i < 3; ++i) {
     result.values[i] = a[order[i]][order[i]];
     result.vectors[i] = vectors[order[i]];

@@ -13,7 +13,7 @@ struct Symmetric3 {
 };
 
 /// Eigenvalues in ascending order with their orthonormal eigenvectors, of either sign.
-struct Eigen3 {
+struct EigenSystem {
   std::array<double, 3> values;
   std::array<World3, 3> vectors;
 };
@@ -21,6 +21,6 @@ struct Eigen3 {
 /// Requires: finite elements.
 /// Cost:     three to five sweeps of three plane rotations; allocates nothing.
 /// Source:   cyclic Jacobi: Golub, Van Loan, "Matrix Computations", section 8.5.
-Eigen3 eigen_decomposition(const Symmetric3& matrix);
+EigenSystem eigen_decomposition(const Symmetric3& matrix);
 
 }  // namespace pss
