@@ -23,16 +23,23 @@ bool finite(const World3& p) {
 
 Error interrupted() { return {Fault::kInterrupted, "interrupted; nothing was written"}; }
 
+/// Enough of a text to tell it from another.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kLongest = 160;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
 Result<void> check_crs(Readers readers) {
   const CloudHeader* named = nullptr;
   for (const Reader* reader : readers) {
     const CloudHeader& header = reader->header();
     if (header.crs.empty()) continue;
     if (named && named->crs != header.crs)
-      return Error{Fault::kBadInput,
-                   fmt::format("{}: found the coordinate system {}, expected {} as in {}; bring "
-                               "the files into one system first",
-                               header.path, header.crs, named->crs, named->path)};
+      return Error{
+          Fault::kBadInput,
+          fmt::format("{}: found the coordinate system {}, expected {} as in {}; bring "
+                      "the files into one system first",
+                      header.path, shortened(header.crs), shortened(named->crs), named->path)};
     if (!named) named = &header;
   }
   return {};

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <optional>
 
 #include "io/bytes.h"
+#include "io/wkt.h"
 
 namespace pss {
 namespace {
@@ -28,58 +28,11 @@ std::optional<std::span<const std::byte>> projection(std::span<const Vlr> vlrs,
   return std::nullopt;
 }
 
-/// The text within the brackets that follow `keyword`, or nothing.
-std::string_view brackets_after(std::string_view wkt, std::string_view keyword) {
-  const std::size_t start = wkt.find(keyword);
-  if (start == std::string_view::npos) return {};
-  const std::size_t open = start + keyword.size();
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = open; i < wkt.size(); ++i) {
-    if (wkt[i] == '"') quoted = !quoted;
-    if (quoted) continue;
-    if (wkt[i] == '[') ++depth;
-    if (wkt[i] == ']' && --depth <= 0) return wkt.substr(open, i - open);
-  }
-  return {};
-}
-
-/// The digits of the last AUTHORITY["EPSG","n"] or ID["EPSG",n] that is a direct child.
-std::string direct_code(std::string_view node) {
-  std::string code;
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < node.size(); ++i) {
-    if (node[i] == '"') quoted = !quoted;
-    if (quoted) continue;
-    if (node[i] == ']') --depth;
-    if (node[i] != '[') continue;
-    if (++depth != 2) continue;
-    const std::string_view before = node.substr(0, i);
-    const std::string_view inside = node.substr(i + 1);
-    if (!(before.ends_with("AUTHORITY") || before.ends_with(",ID"))) continue;
-    if (!inside.starts_with("\"EPSG\",")) continue;
-    code.clear();
-    for (const char c : inside.substr(7, inside.find(']') - 7))
-      if (c >= '0' && c <= '9') code += c;
-  }
-  return code;
-}
-
-std::string without_space(std::string_view text) {
-  std::string result;
-  bool quoted = false;
-  for (const char c : text) {
-    if (c == '"') quoted = !quoted;
-    if (quoted || !(c == ' ' || c == '\t' || c == '\r' || c == '\n')) result += c;
-  }
-  return result;
-}
-
+/// Unreadable WKT is compared as it stands.
 std::string crs_of_wkt(std::span<const std::byte> bytes) {
-  const std::string wkt = without_space(text_in(bytes));
-  const std::string code = epsg_of_wkt(wkt);
-  return code.empty() ? wkt : code;
+  const std::string wkt = text_in(bytes);
+  const std::string comparable = comparable_wkt(wkt);
+  return comparable.empty() ? wkt : comparable;
 }
 
 struct GeoKey {
@@ -118,17 +71,6 @@ std::string crs_of_keys(std::span<const std::byte> bytes, std::span<const std::b
 }
 
 }  // namespace
-
-std::string epsg_of_wkt(std::string_view wkt) {
-  constexpr std::array kKeywords{"PROJCRS", "PROJCS", "GEOGCRS", "GEODCRS", "GEOGCS"};
-  for (const char* keyword : kKeywords) {
-    const std::string_view node = brackets_after(wkt, keyword);
-    if (node.empty()) continue;
-    const std::string code = direct_code(node);
-    return code.empty() ? code : "EPSG:" + code;
-  }
-  return {};
-}
 
 std::string las_crs(std::span<const Vlr> vlrs, std::span<const std::byte> head,
                     std::span<const Vlr> evlrs, std::span<const std::byte> tail) {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <span>
 #include <string>
-#include <string_view>
 
 #include "io/las_vlr.h"
 
@@ -15,8 +14,5 @@ namespace pss {
 /// WKT is preferred over GeoTIFF keys: where a file has both, they mean the same system.
 std::string las_crs(std::span<const Vlr> vlrs, std::span<const std::byte> head,
                     std::span<const Vlr> evlrs, std::span<const std::byte> tail);
-
-/// The EPSG code of the horizontal part of a WKT text, as "EPSG:n"; empty where it names none.
-std::string epsg_of_wkt(std::string_view wkt);
 
 }  // namespace pss
