@@ -3,6 +3,12 @@
 #include <utility>
 
 namespace pss {
+namespace {
+
+constexpr std::uint64_t kSyncBytes = 32u << 20;
+constexpr std::chrono::seconds kSyncTime{2};
+
+}  // namespace
 
 Committer::Committer(StoreWriter& writer, const Operator& op)
     : writer_(writer), operator_(op), thread_([this] { run(); }) {}
@@ -14,6 +20,8 @@ Committer::~Committer() {
   }
   changed_.notify_all();
   thread_.join();
+  // Tiles that are finished count, also when the run is not. A failure shows again at the next one.
+  if (!error_) static_cast<void>(writer_.sync().has_value());
 }
 
 Result<void> Committer::failure_locked() const {
@@ -64,7 +72,11 @@ Result<void> Committer::commit(FinishedPart& part) {
     operator_.merge_note(note_, part.notes[b]);
   }
   if (!part.last_of_tile) return {};
-  return writer_.commit_tile(part.cell, std::exchange(note_, {}));
+  // Tiles share a sync: what is lost with the power is at most this much or this long.
+  const auto now = Clock::now();
+  const bool sync = writer_.unsynced_bytes() > kSyncBytes || now - last_sync_ > kSyncTime;
+  if (sync) last_sync_ = now;
+  return writer_.commit_tile(part.cell, std::exchange(note_, {}), sync);
 }
 
 }  // namespace pss

@@ -1,6 +1,7 @@
 #pragma once
 // Writes finished parts to the result store on a thread of its own, in order.
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -26,6 +27,8 @@ struct FinishedPart {
 };
 
 /// Appends parts to a store in the order given, and commits each tile with its last part.
+///
+/// Destroyed before everything is drained, it still writes what is queued: finished tiles count.
 class Committer {
  public:
   Committer(StoreWriter& writer, const Operator& op);
@@ -39,12 +42,14 @@ class Committer {
   Result<void> drain();
 
  private:
+  using Clock = std::chrono::steady_clock;
   void run();
   Result<void> commit(FinishedPart& part);
   Result<void> failure_locked() const;
 
   StoreWriter& writer_;
   const Operator& operator_;
+  Clock::time_point last_sync_ = Clock::now();
   std::vector<std::byte> note_;  ///< of the tile that is being written
   std::mutex mutex_;
   std::condition_variable changed_;

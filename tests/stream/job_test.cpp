@@ -1,0 +1,139 @@
+#include "stream/job.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "stream/fingerprint.h"
+#include "tests/stream/store_fixture.h"
+#include "tests/support/test_data.h"
+
+namespace pss {
+namespace {
+
+using test::expect_ok;
+using test::expect_value;
+
+JobRecord some_record() {
+  JobRecord record;
+  record.command = "smooth";
+  record.output = "out put.las";
+  record.parameters = R"({"radius":1.5,"knn":null})";
+  record.inputs = {{"a.las", 10, 20, 30}, {"b.las", 11, 21, 31}};
+  return record;
+}
+
+TEST(WorkDirectory, KeepsItsRecord) {
+  test::TemporaryDirectory folder;
+  JobRecord record = some_record();
+  record.complete = true;
+  record.result = InputRecord{"out put.las", 1, -2, 18446744073709551615u};
+  {
+    const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
+    EXPECT_FALSE(expect_value(work.read_record()).has_value());
+    expect_ok(work.write_record(record));
+  }
+
+  const JobRecord found = *expect_value(read_job_record(folder / "w"));
+
+  EXPECT_EQ(found.inputs, record.inputs);
+  EXPECT_EQ(found.result, record.result);
+  EXPECT_TRUE(found.complete);
+  EXPECT_TRUE(check_same_job(found, record, "w"));
+}
+
+TEST(WorkDirectory, RefusesASecondProcessByPidAndHost) {
+  test::TemporaryDirectory folder;
+  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
+
+  const auto second = WorkDirectory::open(folder / "w");
+
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().fault, Fault::kFailed);
+  EXPECT_NE(second.error().message.find(std::to_string(getpid())), std::string::npos);
+  EXPECT_EQ(lock_holder(folder / "w").value_or("").find("process "), 0u);
+}
+
+TEST(WorkDirectory, TakesOverTheLockOfADeadProcess) {
+  test::TemporaryDirectory folder;
+  const pid_t child = fork();
+  if (child == 0) {
+    const auto work = WorkDirectory::open(folder / "w");
+    _exit(work ? 0 : 1);  // without the destructor, as a killed process
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_EQ(status, 0);
+
+  EXPECT_TRUE(WorkDirectory::open(folder / "w"));
+}
+
+TEST(WorkDirectory, ClearsOnlyWhatAJobKeepsThere) {
+  test::TemporaryDirectory folder;
+  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
+  expect_ok(work.write_record(some_record()));
+  expect_ok(make_directories(work.input_store()));
+  std::ofstream(folder / "w/thesis.txt") << "keep me";
+
+  expect_ok(work.clear());
+
+  EXPECT_FALSE(exists(work.input_store()));
+  EXPECT_FALSE(exists(folder / "w/job.json"));
+  EXPECT_TRUE(exists(folder / "w/thesis.txt"));
+}
+
+TEST(WorkDirectory, NamesADamagedRecord) {
+  test::TemporaryDirectory folder;
+  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
+  std::ofstream(folder / "w/job.json") << "{\"command\": 3";
+
+  const auto record = work.read_record();
+
+  ASSERT_FALSE(record);
+  EXPECT_NE(record.error().message.find("job.json"), std::string::npos);
+}
+
+TEST(SameJob, NamesTheFirstDifference) {
+  const JobRecord then = some_record();
+  const auto difference = [&](auto change) {
+    JobRecord now = then;
+    change(now);
+    const Result<void> same = check_same_job(then, now, "w");
+    return same ? std::string() : same.error().message;
+  };
+
+  const std::string radius =
+      difference([](JobRecord& r) { r.parameters = R"({"radius":2,"knn":null})"; });
+  const std::string input = difference([](JobRecord& r) { r.inputs[1].size = 12; });
+  const std::string count = difference([](JobRecord& r) { r.inputs.pop_back(); });
+
+  EXPECT_NE(radius.find("--radius was 1.5, is 2 now"), std::string::npos);
+  EXPECT_NE(input.find("b.las has changed"), std::string::npos);
+  EXPECT_NE(count.find("2 input files before, 1 now"), std::string::npos);
+  EXPECT_EQ(difference([](JobRecord&) {}), "");
+}
+
+TEST(Fingerprint, SeesEveryEndOfAFile) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "f";
+  std::vector<std::byte> bytes(200000, std::byte{1});
+  test::write_bytes(path, bytes);
+  const InputRecord before = expect_value(fingerprint(path));
+
+  bytes.front() = std::byte{2};
+  test::write_bytes(path, bytes);
+  const InputRecord head = expect_value(fingerprint(path));
+  bytes.front() = std::byte{1};
+  bytes.back() = std::byte{2};
+  test::write_bytes(path, bytes);
+  const InputRecord tail = expect_value(fingerprint(path));
+
+  EXPECT_EQ(before.size, 200000u);
+  EXPECT_NE(head.content_hash, before.content_hash);
+  EXPECT_NE(tail.content_hash, before.content_hash);
+}
+
+}  // namespace
+}  // namespace pss

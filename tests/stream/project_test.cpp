@@ -1,0 +1,267 @@
+#include "stream/project.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "core/parallel.h"
+#include "stream/scheduler.h"
+#include "tests/stream/store_fixture.h"
+#include "tests/support/cloud.h"
+#include "tests/support/test_data.h"
+
+namespace pss {
+namespace {
+
+using test::Cloud;
+using test::expect_ok;
+using test::expect_value;
+
+constexpr std::size_t kPoints = 20000;
+constexpr std::uint64_t kMiB = 1u << 20;
+const Lattice kLattice{{0.001, 0.001, 0.001}, {500000, 4649776, 100}};
+
+Schema class_schema() { return Schema({{"Classification", Type::kUint8, 1, 1, 0, {}}}); }
+
+/// A noisy wave over a square of 100 x 100, spacing about 0.7; one point in fifty is noise class.
+Cloud wave(std::uint64_t seed) {
+  test::Random random(seed);
+  std::vector<World3> world;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    const double x = random.uniform(0, 100), y = random.uniform(0, 100);
+    world.push_back({500000 + x, 4649776 + y, 100 + std::sin(x / 8) * 3 + 0.1 * random.normal()});
+  }
+  Cloud cloud{test::on_lattice_sorted(kLattice, world), std::vector<std::byte>(kPoints)};
+  for (std::size_t i = 0; i < kPoints; i += 50) cloud.rows[i] = std::byte{7};
+  return cloud;
+}
+
+/// The cloud as a store whose tiles end at `cuts`.
+Store store_of(const Cloud& cloud, const std::string& path, std::vector<std::size_t> cuts) {
+  StoreHeader header;
+  header.lattice = kLattice;
+  header.schema = class_schema();
+  StoreWriter writer = expect_value(StoreWriter::create(path, header));
+  std::size_t begin = 0;
+  cuts.push_back(cloud.positions.size());
+  for (const std::size_t end : cuts) {
+    expect_ok(test::append_tile(writer, header.schema, cloud, begin, end));
+    begin = end;
+  }
+  expect_ok(writer.finish("{}"));
+  return expect_value(Store::open(path));
+}
+
+ProjectParameters fixed_support() {
+  ProjectParameters parameters;
+  parameters.support = {1.4, 4.2};
+  parameters.outputs = kAllOutputs;
+  return parameters;
+}
+
+ProjectParameters nearest_support() {
+  ProjectParameters parameters;
+  parameters.nearest = 24;
+  parameters.cap = 7;
+  parameters.first_guess = 1;  // too small on purpose: parts are loaded again
+  parameters.outputs = kAllOutputs;
+  return parameters;
+}
+
+/// Stops at the n-th question.
+class StopAt : public Monitor {
+ public:
+  explicit StopAt(int n) : left_(n) {}
+  bool stopping() const override { return --left_ < 0; }
+
+ private:
+  mutable std::atomic<int> left_;
+};
+
+Cloud project(const Store& source, const ProjectParameters& parameters, const std::string& path,
+              std::uint64_t limit = 512 * kMiB) {
+  MemoryBudget budget(limit, 1);
+  Monitor monitor;
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
+  StoreWriter writer = expect_value(StoreWriter::create(path, op.result_header()));
+  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+  EXPECT_EQ(summary.own_points, source.points());
+  expect_ok(writer.finish("{}"));
+  return expect_value(test::read_all(expect_value(Store::open(path))));
+}
+
+void expect_equal(const Cloud& found, const Cloud& expected) {
+  EXPECT_EQ(found.positions, expected.positions);
+  EXPECT_EQ(found.rows, expected.rows);
+}
+
+/// The limit that leaves `bytes` for parts.
+std::uint64_t limit_leaving(std::uint64_t bytes) {
+  return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
+}
+
+TEST(Project, EqualsTheSameComputationInMemory) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(1);
+  const Store source = store_of(cloud, folder / "s.pss", {3000, 9000, 9001, 15000});
+  const ProjectParameters parameters = fixed_support();
+  const Cloud found = project(source, parameters, folder / "r.pss");
+  std::vector<Index3> neighbours;
+  for (std::size_t i = 0; i < kPoints; ++i)
+    if (cloud.rows[i] == std::byte{0}) neighbours.push_back(cloud.positions[i]);
+  const CellGrid grid(kLattice, neighbours, 4.9);
+
+  Offsets offsets;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    Index3 expected = cloud.positions[i];
+    for (std::int64_t& c : expected) c *= 256;
+    if (cloud.rows[i] == std::byte{0}) {
+      grid.gather({cloud.positions[i], {}}, reach(parameters.support), offsets);
+      const Projection p = project_levin(offsets, parameters.support, 3);
+      for (std::size_t a = 0; a < 3; ++a)
+        expected[a] += std::llrint(p.displacement[a] / (0.001 / 256));
+    }
+    ASSERT_EQ(found.positions[i], expected) << i;
+  }
+}
+
+TEST(Project, GivesTheSameRowsHoweverTilesAndPartsAreCut) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(2);
+  for (const ProjectParameters& parameters : {fixed_support(), nearest_support()}) {
+    const Store whole = store_of(cloud, folder / "whole.pss", {});
+    const Cloud expected = project(whole, parameters, folder / "r.pss");
+
+    const Store tiles = store_of(cloud, folder / "tiles.pss", {1, 100, 5000, 5001, 12000, 19999});
+    expect_equal(project(tiles, parameters, folder / "r.pss"), expected);
+    // 3 MiB hold only some blocks of the whole tile at once.
+    expect_equal(project(whole, parameters, folder / "r.pss", limit_leaving(3 * kMiB)), expected);
+    for (const int threads : {1, 2, 3}) {
+      const ThreadLimit limit(threads);
+      expect_equal(project(tiles, parameters, folder / "r.pss"), expected);
+    }
+  }
+}
+
+TEST(Project, WidensTheHaloUntilEveryKthNeighbourIsCertain) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(3);
+  const Store source = store_of(cloud, folder / "s.pss", {7000, 14000});
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, nearest_support()));
+  StoreWriter writer = expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
+  MemoryBudget budget(512 * kMiB, 1);
+  Monitor monitor;
+
+  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+
+  EXPECT_GT(summary.reloaded_parts, 0u);
+}
+
+TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(4);
+  const Store source = store_of(cloud, folder / "s.pss", {2000, 8000, 11000, 16000});
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, fixed_support()));
+  const Cloud expected = project(source, fixed_support(), folder / "whole.pss");
+  MemoryBudget budget(512 * kMiB, 1);
+  expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
+
+  int interruptions = 0;
+  for (bool done = false; !done;) {
+    StopAt monitor(40);
+    StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
+    const auto summary = run_operator(source, op, writer, budget, monitor);
+    done = summary.has_value();
+    if (done) {
+      expect_ok(writer.finish("{}"));
+    } else {
+      ASSERT_EQ(summary.error().fault, Fault::kInterrupted);
+      ++interruptions;
+    }
+  }
+
+  EXPECT_GT(interruptions, 1);
+  expect_equal(expect_value(test::read_all(expect_value(Store::open(folder / "r.pss")))), expected);
+}
+
+TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(5);
+  const Store source = store_of(cloud, folder / "s.pss", {});
+  ProjectParameters parameters = fixed_support();
+  parameters.support = {30, 90};
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
+  StoreWriter writer = expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
+  MemoryBudget budget(limit_leaving(kMiB), 1);
+  Monitor monitor;
+
+  const auto summary = run_operator(source, op, writer, budget, monitor);
+
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error().fault, Fault::kMemoryLimit);
+  EXPECT_NE(summary.error().message.find("--memory-limit"), std::string::npos);
+  EXPECT_NE(summary.error().message.find("4649"), std::string::npos) << "the place";
+}
+
+TEST(Project, LeavesExcludedPointsUnchangedAndOutOfEveryNeighbourhood) {
+  test::TemporaryDirectory folder;
+  Cloud cloud = wave(6);
+  const Store with = store_of(cloud, folder / "with.pss", {10000});
+  const Cloud smoothed = project(with, fixed_support(), folder / "r.pss");
+  Cloud without;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    if (cloud.rows[i] != std::byte{0}) continue;
+    without.positions.push_back(cloud.positions[i]);
+    without.rows.push_back(cloud.rows[i]);
+    kept.push_back(i);
+  }
+
+  const Cloud expected =
+      project(store_of(without, folder / "without.pss", {}), fixed_support(), folder / "q.pss");
+
+  const std::size_t row = smoothed.rows.size() / kPoints;
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    ASSERT_EQ(smoothed.positions[kept[k]], expected.positions[k]);
+  for (std::size_t i = 0; i < kPoints; i += 50) {
+    EXPECT_EQ(smoothed.positions[i][0], cloud.positions[i][0] * 256);
+    EXPECT_EQ(smoothed.rows[(i + 1) * row - 1],
+              static_cast<std::byte>(Status::kExcluded));  // Status is the last attribute
+  }
+}
+
+TEST(Project, KeepsAPointWhosePlaceTheOutputCannotHold) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(7);
+  const Store source = store_of(cloud, folder / "s.pss", {});
+  ProjectParameters parameters = fixed_support();
+  // 2^31 steps of this grid end within the wave: places above do not fit.
+  parameters.grid = Lattice{{1, 1, 1e-9}, {0, 0, 100 - 2.147483647}};
+
+  const Cloud found = project(source, parameters, folder / "r.pss");
+
+  std::size_t kept = 0;
+  const std::size_t row = found.rows.size() / kPoints;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    if (found.rows[(i + 1) * row - 1] != static_cast<std::byte>(Status::kNotRepresentable))
+      continue;
+    ++kept;
+    EXPECT_EQ(found.positions[i][2], cloud.positions[i][2] * 256);
+  }
+  EXPECT_GT(kept, 1000u);
+}
+
+TEST(RefinedLattice, KeepsPlacesAndLeavesRoomWithin42Bits) {
+  IndexBox small;
+  small.add(Index3{-1000, -1000, -1000});
+  small.add(Index3{1000, 1000, 1000});
+  IndexBox large;
+  large.add(Index3{kLatticeMin / 4, 0, 0});
+
+  EXPECT_EQ(refined_lattice(kLattice, small, 1).scale[0], 0.001 / 256);
+  EXPECT_EQ(refined_lattice(kLattice, small, 1).origin, kLattice.origin);
+  EXPECT_EQ(refined_lattice(kLattice, large, 1).scale[0], 0.001 / 2);
+}
+
+}  // namespace
+}  // namespace pss
