@@ -1,0 +1,91 @@
+#include "io/inputs.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tests/io/point_files.h"
+#include "tests/support/test_data.h"
+
+namespace pss::test {
+namespace {
+
+class InputsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* name : {"b.las", "a.las", "c d.ply", "notes.md", "x[1].las", "a.las.part"})
+      write_text_file(directory_ / name, "content");
+    std::filesystem::create_directory(directory_.path() / "store.pss");
+    std::filesystem::create_directory(directory_.path() / "empty");
+  }
+
+  /// The names that arguments, relative to the directory, expand to; or the error's text.
+  std::vector<std::string> expand(const std::vector<std::string>& names) {
+    std::vector<std::string> arguments;
+    for (const std::string& name : names)
+      arguments.push_back(name.starts_with('@') ? "@" + (directory_ / name.substr(1))
+                                                : directory_ / name);
+    auto paths = expand_inputs(arguments);
+    if (!paths) {
+      EXPECT_EQ(paths.error().fault, Fault::kFailed);
+      return {paths.error().message};
+    }
+    for (std::string& path : *paths)
+      path = std::filesystem::relative(path, directory_.path()).string();
+    return *paths;
+  }
+
+  TemporaryDirectory directory_;
+};
+
+using Names = std::vector<std::string>;
+
+TEST_F(InputsTest, KeepFilesInTheirOrder) {
+  EXPECT_EQ(expand({"b.las", "a.las", "b.las", "notes.md"}),
+            (Names{"b.las", "a.las", "b.las", "notes.md"}));
+}
+
+TEST_F(InputsTest, ExpandADirectoryToItsScansByName) {
+  EXPECT_EQ(expand({""}), (Names{"a.las", "b.las", "c d.ply", "x[1].las"}));
+}
+
+TEST_F(InputsTest, TakeAStoreAsItIs) {
+  EXPECT_EQ(expand({"store.pss"}), Names{"store.pss"});
+  EXPECT_EQ(expand({"store.pss/"}).size(), 1u);
+}
+
+TEST_F(InputsTest, ExpandGlobsByNameUnlessAFileIsCalledSo) {
+  EXPECT_EQ(expand({"?.las"}), (Names{"a.las", "b.las"}));
+  EXPECT_EQ(expand({"*.ply", "a*s"}), (Names{"c d.ply", "a.las"}));
+  EXPECT_EQ(expand({"x[1].las"}), Names{"x[1].las"});
+}
+
+TEST_F(InputsTest, ReadListsWithOnePathALine) {
+  write_text_file(
+      directory_ / "list.txt",
+      directory_ / "b.las" + "\r\n\n" + (directory_ / "c d.ply") + "\n" + (directory_ / "a.*"));
+
+  EXPECT_EQ(expand({"@list.txt", "b.las"}),
+            (Names{"b.las", "c d.ply", "a.las", "a.las.part", "b.las"}));
+}
+
+TEST_F(InputsTest, NameWhatIsMissing) {
+  for (const char* missing : {"missing.las", "*.e57", "@missing.txt", "empty"}) {
+    const Names message = expand({"a.las", missing});
+    ASSERT_EQ(message.size(), 1u);
+    const std::string name = missing[0] == '@' ? missing + 1 : missing;
+    EXPECT_NE(message[0].find(name), std::string::npos) << message[0];
+  }
+}
+
+TEST_F(InputsTest, RefuseListsInListsAndEmptyLists) {
+  write_text_file(directory_ / "list.txt", "@list.txt\n");
+  EXPECT_NE(expand({"@list.txt"})[0].find("list in a list"), std::string::npos);
+  write_text_file(directory_ / "list.txt", "\n\n");
+  EXPECT_NE(expand({"@list.txt"})[0].find("no input"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pss::test
