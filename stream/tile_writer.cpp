@@ -133,11 +133,11 @@ Result<void> write_tiles(SortedStream& in, const StoreHeader& header, std::uint6
 
 std::uint64_t tile_writer_memory(const StoreHeader& header, std::uint64_t points) {
   const std::uint64_t row = sizeof(Key) + header.schema.row_size();
-  // Tiles are at least an eighth full on average, and their table may be growing.
-  const std::uint64_t tiles = points / header.tile_points * 8 + 8;
+  // Leaves are about half full on surfaces, a third for good measure; their table may be growing.
+  const std::uint64_t tiles = points / header.tile_points * 3 + 8;
   return ring_capacity(header, points) * row + kReadAtOnce * row * 2 +
          encode_blocks_memory(header.schema, std::min<std::size_t>(kBlockPoints, points)) +
-         3 * tiles * sizeof(TileInfo);
+         2 * tiles * sizeof(TileInfo);
 }
 
 }  // namespace pss
