@@ -23,6 +23,10 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
+    {"smooth", "project", "Project every point onto the smooth surface its neighbours define",
+     make_smooth},
+    {"tile", "", "Build a store once, to use it many times", make_tile},
+    {"export", "", "Write a store as a file", make_export},
     {"convert", "", "Rewrite files in another format, every attribute and the order kept",
      make_convert},
     {"info", "", "Tell what is in a file, a store or a work directory", make_info},
