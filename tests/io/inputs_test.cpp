@@ -24,9 +24,11 @@ class InputsTest : public ::testing::Test {
   /// The names that arguments, relative to the directory, expand to; or the error's text.
   std::vector<std::string> expand(const std::vector<std::string>& names) {
     std::vector<std::string> arguments;
-    for (const std::string& name : names)
-      arguments.push_back(name.starts_with('@') ? "@" + (directory_ / name.substr(1))
-                                                : directory_ / name);
+    for (const std::string& name : names) {
+      const bool list = name.starts_with('@');
+      arguments.push_back(directory_ / name.substr(list ? 1 : 0));
+      if (list) arguments.back().insert(0, 1, '@');
+    }
     auto paths = expand_inputs(arguments);
     if (!paths) {
       EXPECT_EQ(paths.error().fault, Fault::kFailed);
