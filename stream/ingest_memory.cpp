@@ -45,7 +45,7 @@ Result<IngestMemory> divide_memory(const StoreHeader& header, std::uint64_t poin
 
   const std::uint64_t batch_point = input_bytes_per_point(header.schema);
   memory.batch_points =
-      std::clamp<std::size_t>(usable / 8 / batch_point, kSmallestBatch, kLargestBatch);
+      std::clamp<std::size_t>(usable / 32 / batch_point, kSmallestBatch, kLargestBatch);
   const std::uint64_t fixed = kReaderBytes + memory.batch_points * batch_point +
                               encode_blocks_memory(header.schema, kRunBlockPoints);
   const std::uint64_t point =

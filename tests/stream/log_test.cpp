@@ -98,13 +98,10 @@ TEST(Log, TakesGarbageAfterTheLastDurableRecordAsATornTail) {
 TEST(Log, NamesFileAndOffsetOfDamageInTheMiddle) {
   test::TemporaryDirectory folder;
   write_log(folder / "log");
-  const auto whole = test::bytes_of(folder / "log");
   Seen all;
   expect_value(read_log(folder / "log", Tail::kWhole, all.visitor()));
-  auto bytes = whole;
   for (std::size_t bit = 0; bit < 8 * all.offsets[3]; ++bit) {
-    bytes[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
-    test::write_bytes(folder / "log", bytes);
+    test::flip_bit(folder / "log", bit);
     std::size_t record = 0;
     while (record < 3 && all.offsets[record + 1] <= bit / 8) ++record;
     const std::size_t expected = bit / 8 < 16 ? 0 : all.offsets[record];
@@ -117,7 +114,7 @@ TEST(Log, NamesFileAndOffsetOfDamageInTheMiddle) {
     const std::string where = "offset " + std::to_string(expected) + ":";
     EXPECT_NE(found.error().message.find(where), std::string::npos) << found.error().message;
     EXPECT_NE(found.error().message.find(folder / "log"), std::string::npos);
-    bytes[bit / 8] = whole[bit / 8];
+    test::flip_bit(folder / "log", bit);
   }
 }
 
@@ -125,13 +122,11 @@ TEST(Log, FindsEveryFlippedBitOfAFinishedLog) {
   test::TemporaryDirectory folder;
   write_log(folder / "log");
   const auto whole = test::bytes_of(folder / "log");
-  auto bytes = whole;
   for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
-    bytes[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
-    test::write_bytes(folder / "log", bytes);
+    test::flip_bit(folder / "log", bit);
     Seen seen;
     EXPECT_FALSE(read_log(folder / "log", Tail::kWhole, seen.visitor()).has_value()) << bit;
-    bytes[bit / 8] = whole[bit / 8];
+    test::flip_bit(folder / "log", bit);
   }
 }
 

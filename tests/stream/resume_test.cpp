@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 #include <map>
 
+#include "core/parallel.h"
 #include "stream/ingest.h"
 #include "stream/run.h"
 #include "tests/stream/ingest_fixture.h"
@@ -59,8 +61,9 @@ class Resume : public testing::Test {
 
   static constexpr std::uint64_t kNever = std::numeric_limits<std::uint64_t>::max();
   static constexpr std::uint64_t kRoomy = 64 << 20;
-  static constexpr std::uint64_t kTight = 4600 << 10;
+  static constexpr std::uint64_t kTight = 3800 << 10;
 
+  ThreadLimit threads_{2};  // they decide how much memory is left for a chunk
   test::TemporaryDirectory folder_;
   IngestOptions options_;
   IngestPlan plan_;

@@ -44,6 +44,15 @@ inline void write_bytes(const std::string& path, std::span<const std::byte> byte
             static_cast<std::streamsize>(bytes.size()));
 }
 
+/// Flips one bit of a file in its place.
+inline void flip_bit(const std::string& path, std::size_t bit) {
+  std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+  file.seekg(static_cast<std::streamoff>(bit / 8));
+  const int byte = file.get();
+  file.seekp(static_cast<std::streamoff>(bit / 8));
+  file.put(static_cast<char>(byte ^ 1 << bit % 8));
+}
+
 /// Every kind of field: integers of each width, floats, an array, a bit container.
 inline Schema rich_schema() {
   return Schema({{"Intensity", Type::kUint16, 1, 1, 0, {}},
