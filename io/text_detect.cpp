@@ -6,11 +6,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <initializer_list>
 #include <utility>
 #include <vector>
 
 #include "io/numbers.h"
+#include "io/text_names.h"
 
 namespace pss {
 namespace {
@@ -46,69 +46,10 @@ std::optional<std::uint64_t> count_line(std::string_view line) {
   return count;
 }
 
-std::string_view unquoted(std::string_view name) {
-  const bool quotes = name.size() >= 2 && name.front() == name.back() &&
-                      (name.front() == '"' || name.front() == '\'');
-  return quotes ? trimmed(name.substr(1, name.size() - 2)) : name;
-}
-
-/// "Easting [m]" as "easting".
-std::string plain_name(std::string_view name) {
-  std::string plain(trimmed(name.substr(0, name.find_first_of("[("))));
-  for (char& c : plain)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return plain;
-}
-
-std::optional<std::size_t> find_named(const std::vector<std::string>& names,
-                                      std::initializer_list<std::string_view> accepted) {
-  for (const std::string_view wanted : accepted)
-    for (std::size_t i = 0; i < names.size(); ++i)
-      if (plain_name(names[i]) == wanted) return i;
-  return std::nullopt;
-}
-
-std::optional<std::array<std::size_t, 3>> find_axes(const std::vector<std::string>& names) {
-  const auto x = find_named(names, {"x", "easting", "east", "e"});
-  const auto y = find_named(names, {"y", "northing", "north", "n"});
-  const auto z = find_named(names, {"z", "elevation", "height", "altitude", "h"});
-  if (!x || !y || !z) return std::nullopt;
-  return std::array{*x, *y, *z};
-}
-
-/// Names as a header gives them, without quotes.
-std::vector<std::string> names_in(std::string_view header, char separator) {
-  Cells cells;
-  split_cells(header, separator, cells);
-  std::vector<std::string> names;
-  for (const std::string_view cell : cells) names.emplace_back(unquoted(cell));
-  return names;
-}
-
-/// Gives a name to columns without one, and another to those whose name is taken.
-void make_distinct(std::vector<std::string>& names) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i].empty()) names[i] = fmt::format("c{}", i + 1);
-    const std::string name = names[i];
-    const auto here = names.begin() + static_cast<std::ptrdiff_t>(i);
-    for (int n = 2; std::find(names.begin(), here, names[i]) != here; ++n)
-      names[i] = fmt::format("{}_{}", name, n);
-  }
-}
-
 bool is_colour(std::string_view cell) {
   double value = -1;
   return parse_number(cell, value) == NumberFault::kNone && value >= 0 && value <= 255 &&
          value == std::floor(value);
-}
-
-std::vector<std::string> conventional_names(std::size_t count, bool colours) {
-  if (count == 4) return {"x", "y", "z", "Intensity"};
-  if (count == 6 && colours) return {"x", "y", "z", "Red", "Green", "Blue"};
-  if (count == 7 && colours) return {"x", "y", "z", "Intensity", "Red", "Green", "Blue"};
-  std::vector<std::string> names{"x", "y", "z"};
-  while (names.size() < count) names.push_back(fmt::format("c{}", names.size() + 1));
-  return names;
 }
 
 /// Reads the lines before the points, then decides.
