@@ -52,6 +52,28 @@ bool within(std::uint64_t offset, std::uint64_t length, std::uint64_t size) {
   return offset <= size && length <= size - offset;
 }
 
+/// Appends the EVLR at `offset` to `tail`, or says why not; returns where the next one is.
+Result<std::uint64_t> add_evlr(const File& file, std::uint64_t offset, std::uint64_t size,
+                               std::vector<std::byte>& tail, std::vector<std::string>& warnings) {
+  if (!within(offset, kEvlrHeader, size)) return past_end(file, offset, kEvlrHeader, size);
+  std::array<std::byte, kEvlrHeader> bytes;
+  PSS_TRY(file.read(offset, bytes));
+  const EvlrHeader evlr = load_evlr_header(bytes);
+  if (!within(offset + kEvlrHeader, evlr.length, size))
+    return past_end(file, offset + kEvlrHeader, evlr.length, size);
+  const std::uint64_t whole = kEvlrHeader + evlr.length;
+  const char* why = reason_to_drop(evlr.user_id, evlr.record_id);
+  if (!why && whole > kLasLargestCarry - tail.size()) why = "it is too large to be carried on";
+  if (why) {
+    warnings.push_back(
+        fmt::format("EVLR '{}' {} is dropped: {}", evlr.user_id, evlr.record_id, why));
+  } else {
+    tail.resize(tail.size() + whole);
+    PSS_TRY(file.read(offset, std::span(tail).last(whole)));
+  }
+  return offset + whole;
+}
+
 }  // namespace
 
 Result<LasHead> parse_las_head(std::vector<std::byte> bytes, const std::string& path,
@@ -96,7 +118,6 @@ Result<LasHead> read_las_head(const File& file) {
 Result<std::vector<std::byte>> read_las_tail(const File& file, const LasHeader& header,
                                              std::vector<std::string>& warnings) {
   PSS_ASSIGN(const std::uint64_t size, file.size());
-  std::vector<std::byte> tail;
   check_rest(header, size, warnings);
   if (header.has_wave_offset() && header.wave_offset != 0)
     warnings.push_back("waveform data packets are not carried on; the points keep their fields");
@@ -105,25 +126,10 @@ Result<std::vector<std::byte>> read_las_tail(const File& file, const LasHeader& 
     return Error{Fault::kBadInput, fmt::format("{}: LAS header, offset 243: found {} EVLRs, "
                                                "expected at most {}",
                                                file.path(), count, kMostEvlrs)};
+  std::vector<std::byte> tail;
   std::uint64_t offset = header.evlr_offset;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (!within(offset, kEvlrHeader, size)) return past_end(file, offset, kEvlrHeader, size);
-    std::array<std::byte, kEvlrHeader> bytes;
-    PSS_TRY(file.read(offset, bytes));
-    const EvlrHeader evlr = load_evlr_header(bytes);
-    if (!within(offset + kEvlrHeader, evlr.length, size))
-      return past_end(file, offset + kEvlrHeader, evlr.length, size);
-    const std::uint64_t whole = kEvlrHeader + evlr.length;
-    const char* why = reason_to_drop(evlr.user_id, evlr.record_id);
-    if (!why && whole > kLasLargestCarry - tail.size()) why = "it is too large to be carried on";
-    if (why) {
-      warnings.push_back(
-          fmt::format("EVLR '{}' {} is dropped: {}", evlr.user_id, evlr.record_id, why));
-    } else {
-      tail.resize(tail.size() + whole);
-      PSS_TRY(file.read(offset, std::span(tail).last(whole)));
-    }
-    offset += whole;
+    PSS_ASSIGN(offset, add_evlr(file, offset, size, tail, warnings));
   }
   return tail;
 }
