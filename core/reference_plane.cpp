@@ -1,9 +1,11 @@
 #include "core/reference_plane.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 
 #include "core/symmetric3.h"
 
@@ -18,7 +20,7 @@ constexpr double kMostSlide = 0.25;  // of h a step
 constexpr double kTie = 1e-10;       // eigenvalues closer than this, of the largest, are equal
 constexpr int kMostPasses = 64;
 constexpr int kMostHalvings = 3;
-constexpr int kPassesAtBound = 3;
+constexpr int kMostPushes = 4;      // against the bound of t
 constexpr int kAlternations = 4;    // passes before Newton is tried again
 constexpr std::size_t kFewest = 3;  // points that a plane needs
 
@@ -74,12 +76,12 @@ double bounded(double t) { return t < -kFarthest ? -kFarthest : t > kFarthest ? 
 /// The smallest direction of the covariance about the weighted centroid, and its plane's height.
 ReferencePlane starting_plane(const Neighbourhood& near) {
   const StartSums sums = sum_about_query(near);
-  if (sums.count < kFewest) return {Status::kTooFew};
+  if (sums.count < kFewest) return {};
   const World3 centroid = 1 / sums.w * sums.p;
   const EigenSystem eigen = eigen_decomposition(covariance(sums, centroid));
-  if (!determines_plane(eigen)) return {Status::kDegenerate};
+  if (!determines_plane(eigen)) return {Status::kDegenerate, {}, 0, 0};
   const World3 n = normalized(eigen.vectors[0]);
-  return {Status::kOk, n, bounded(dot(n, centroid))};
+  return {Status::kOk, n, bounded(dot(n, centroid)), 0};
 }
 
 /// All sums of one pass about q = t n: the conditions, their Jacobian, the covariance about q.
@@ -216,9 +218,10 @@ class Search {
       : near_(near), frame_(frame_of(start.normal)), t_(start.t) {}
 
   ReferencePlane run() {
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    while (passes_ < kMostPasses) {
       const PassSums sums = sum_about_foot(near_, frame_, t_);
-      if (!(sums.w > 0)) return {Status::kTooFew, {}, t_};
+      ++passes_;
+      if (!(sums.w > 0)) return plane(Status::kTooFew);
       if (const std::optional<Status> end = advance(sums)) return plane(*end);
     }
     return plane(Status::kDegenerate);
@@ -228,32 +231,25 @@ class Search {
   /// Decides on one pass's sums: moves on, or says how the search ends.
   std::optional<Status> advance(const PassSums& sums) {
     const Conditions conditions(sums, t_);
-    if (pushed_out(conditions)) return Status::kOutOfDomain;
-    if (worse(conditions)) return halve(), std::nullopt;
+    const bool pushed = std::abs(t_) >= kFarthest && conditions.f[2] * t_ > 0;
+    if (pushed && ++pushes_ >= kMostPushes) return Status::kOutOfDomain;
+    const bool minimum = at_minimum(sums);
+    const bool worse = !minimum || (!pushed && conditions.residual() > last_residual_);
+    if (after_newton_ && worse) return halve(), std::nullopt;
     const std::optional<Step> step =
-        alternations_ > 0 || !at_minimum(sums) ? std::nullopt : newton_step(conditions);
+        minimum && alternations_ == 0 ? newton_step(conditions) : std::nullopt;
     if (!step) return alternate(sums, conditions), std::nullopt;
     go(bounded(*step), conditions.residual());
-    const bool converged = step->size() <= kConverged || conditions.residual() <= kRounding;
+    const bool converged = step->size() <= kConverged || last_residual_ <= kRounding;
     const bool inside = std::abs(t_) < kFarthest;
     return converged && inside ? std::optional(Status::kOk) : std::nullopt;
   }
 
-  /// Whether t has stood at its bound, and been pushed against it, for some passes.
-  bool pushed_out(const Conditions& c) {
-    at_bound_ = std::abs(t_) >= kFarthest && c.f[2] * t_ > 0 ? at_bound_ + 1 : 0;
-    return at_bound_ >= kPassesAtBound;
-  }
-
-  /// Whether the last Newton step led to a greater residual.
-  bool worse(const Conditions& c) const {
-    return last_residual_ && at_bound_ == 0 && c.residual() > *last_residual_;
-  }
-
+  /// Takes the last step back by half; after too many, gives Newton's method up for a while.
   void halve() {
     if (++halvings_ > kMostHalvings) {
-      alternations_ = kAlternations;
-      last_residual_.reset();
+      alternations_ = kAlternations << failures_++;
+      after_newton_ = false;
     }
     last_step_ = last_step_.scaled(0.5);
     move(last_frame_, last_t_, last_step_);
@@ -261,6 +257,7 @@ class Search {
 
   void go(const Step& step, double residual) {
     halvings_ = 0;
+    after_newton_ = true;
     last_residual_ = residual;
     last_frame_ = frame_;
     last_t_ = t_;
@@ -268,31 +265,29 @@ class Search {
     move(frame_, t_, step);
   }
 
-  /// The fallback: by turns the normal from the covariance about q, then t along that normal.
+  /// The fallback: the normal from the covariance about q, then t along that normal, where the
+  /// second condition is taken as linear in the turn.
   void alternate(const PassSums& sums, const Conditions& c) {
-    last_residual_.reset();
+    after_newton_ = false;
     halvings_ = 0;
     if (alternations_ > 0) --alternations_;
-    if (turn_next_)
-      turn(sums);
-    else
-      move(frame_, t_, {0, 0, slide(c)});
-    turn_next_ = !turn_next_;
-  }
-
-  void turn(const PassSums& s) {
-    const double per_w = 1 / s.w;
-    const World3 e = eigen_decomposition({s.xx * per_w, s.xy * per_w, s.xd * per_w, s.yy * per_w,
-                                          s.yd * per_w, s.dd * per_w})
-                         .vectors[0];
-    frame_ = frame_of(normalized(e[0] * frame_.u + e[1] * frame_.v + e[2] * frame_.n));
-    if (e[2] < 0) frame_ = frame_of(-frame_.n);
-  }
-
-  static double slide(const Conditions& c) {
+    const Step turned = turn(sums);
     const double convexity = -c.jacobian[2][2];
-    if (!(convexity > 0)) return std::copysign(kMostSlide / 2, c.f[2]);
-    return bounded(Step{0, 0, c.f[2] / convexity}).t;
+    const double f = c.f[2] + c.jacobian[2][0] * turned.a + c.jacobian[2][1] * turned.b;
+    const double slide = convexity > 0 ? bounded(Step{0, 0, f / convexity}).t
+                                       : std::copysign(kMostSlide / 2, c.f[2]);
+    t_ = bounded(t_ + slide);
+  }
+
+  /// Takes the smallest direction of the covariance about q as normal; returns the turn.
+  Step turn(const PassSums& s) {
+    const double per_w = 1 / s.w;
+    World3 e = eigen_decomposition({s.xx * per_w, s.xy * per_w, s.xd * per_w, s.yy * per_w,
+                                    s.yd * per_w, s.dd * per_w})
+                   .vectors[0];
+    if (e[2] < 0) e = -e;
+    frame_ = frame_of(normalized(e[0] * frame_.u + e[1] * frame_.v + e[2] * frame_.n));
+    return {e[0], e[1], 0};
   }
 
   void move(const Frame& frame, double t, const Step& step) {
@@ -301,8 +296,8 @@ class Search {
   }
 
   ReferencePlane plane(Status status) const {
-    if (is_canonical(frame_.n)) return {status, frame_.n, t_};
-    return {status, -frame_.n, -t_};
+    if (is_canonical(frame_.n)) return {status, frame_.n, t_, passes_};
+    return {status, -frame_.n, -t_, passes_};
   }
 
   const Neighbourhood& near_;
@@ -311,11 +306,13 @@ class Search {
   Frame last_frame_;
   double last_t_ = 0;
   Step last_step_;
-  std::optional<double> last_residual_;  // before the last step, if that was Newton's
+  double last_residual_ = 0;
+  bool after_newton_ = false;  // the last move was Newton's step, whole or halved
+  int passes_ = 0;
   int halvings_ = 0;
   int alternations_ = 0;
-  int at_bound_ = 0;
-  bool turn_next_ = true;
+  int failures_ = 0;  // of Newton's method
+  int pushes_ = 0;    // passes on which t stood at its bound and was pushed against it
 };
 
 }  // namespace

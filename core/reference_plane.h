@@ -11,6 +11,7 @@ struct ReferencePlane {
   Status status = Status::kTooFew;  ///< kOk, kTooFew, kDegenerate or kOutOfDomain
   World3 normal{0, 0, 0};           ///< canonical sign; zero where there is none
   double t = 0;                     ///< in (-1/2, 1/2) where the status is kOk
+  int passes = 0;                   ///< over the neighbours, after the first
 };
 
 /// The reference plane as docs/algorithm.md defines it: start, safeguards and choice of minimum.
