@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "io/reader_on_demand.h"
 #include "io/writer.h"
 
 namespace pss {
@@ -156,41 +157,6 @@ class Adapter {
   bool to_world_ = false;
   bool keep_not_finite_ = false;
   std::vector<std::byte> rows_;
-};
-
-/// A file that is open only while it is read, so that any number of inputs goes.
-class ReaderOnDemand : public Reader {
- public:
-  explicit ReaderOnDemand(CloudHeader header) : header_(std::move(header)) {}
-
-  const CloudHeader& header() const override { return header_; }
-
-  Result<void> read(std::size_t max, PointBatch& batch) override {
-    PSS_TRY(open());
-    PSS_TRY(reader_->read(max, batch));
-    if (batch.size() == 0) reader_.reset();
-    return {};
-  }
-
-  Result<void> seek(std::uint64_t record) override {
-    if (!reader_ && record == 0) return {};
-    PSS_TRY(open());
-    return reader_->seek(record);
-  }
-
- private:
-  Result<void> open() {
-    if (reader_) return {};
-    PSS_ASSIGN(reader_, open_reader(header_.path));
-    if (reader_->header().schema == header_.schema && reader_->header().grid == header_.grid)
-      return {};
-    return Error{Fault::kBadInput, fmt::format("{}: the file changed while it was read; start "
-                                               "again when it is complete",
-                                               header_.path)};
-  }
-
-  CloudHeader header_;
-  std::unique_ptr<Reader> reader_;
 };
 
 Result<void> copy(Reader& reader, Adapter adapter, Writer& writer, ConvertSummary& summary,
