@@ -65,7 +65,8 @@ class LasWriter : public Writer {
         source_row_size_(options.schema.row_size()),
         mapper_(with_las_names(options.schema), plan_.schema),
         returns_(*plan_.schema.dimension("ReturnNumber")) {
-    keeps_header_ = options.same_points && plan_.keeps_layout && source_grid_ == grid();
+    keeps_header_ =
+        options.same_points && plan_.keeps_layout && source_grid_ == plan_.header.grid();
     const Schema named = with_las_names(options.schema);
     for (const std::string& name : mapper_.narrowed())
       narrowed_.push_back({*named.dimension(name), *plan_.schema.dimension(name)});
