@@ -23,13 +23,15 @@ struct Entry {
 };
 
 constexpr Entry kCommands[] = {
-    {"smooth", "project", "Project every point onto the smooth surface its neighbours define",
+    {"smooth", "project", "Project every point onto the scan's moving-least-squares surface",
      make_smooth},
-    {"tile", "", "Build a store once, to use it many times", make_tile},
+    {"tile", "", "Build a store of sorted tiles once, to use it many times", make_tile},
     {"export", "", "Write a store as a file", make_export},
     {"convert", "", "Rewrite files in another format, every attribute and the order kept",
      make_convert},
     {"info", "", "Tell what is in a file, a store or a work directory", make_info},
+    {"verify", "", "Check every checksum and count of a store; print the hash of its rows",
+     make_verify},
     {"synth", "", "Make noisy scans of known surfaces; measure how far points are from them",
      make_synth},
 };

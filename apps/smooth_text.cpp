@@ -29,9 +29,9 @@ std::string statuses_text(const ProjectStatistics& statistics) {
 }
 
 std::string stages_text(const SmoothReport& report) {
-  return fmt::format("sort {}, spacing {}, smooth {}, write {}", short_time(report.ingest_seconds),
-                     short_time(report.spacing_seconds), short_time(report.smooth_seconds),
-                     short_time(report.write_seconds));
+  return fmt::format("sort {:.1f}, spacing {:.1f}, smooth {:.1f}, write {:.1f}",
+                     report.ingest_seconds, report.spacing_seconds, report.smooth_seconds,
+                     report.write_seconds);
 }
 
 double rate(std::uint64_t points, double seconds) {
@@ -44,18 +44,17 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
   if (report.already_complete) return {fmt::format("{}: already complete", report.output)};
   std::vector<std::string> lines = report.notes;
   const ProjectStatistics& statistics = report.statistics;
-  lines.push_back(fmt::format("{}{}", widths_text(report.widths),
-                              report.widths.why.empty() ? "" : ": " + report.widths.why));
+  lines.push_back(widths_text(report.widths));
   lines.push_back(fmt::format("neighbours {:.1f} a point; moved by {:.4g} rms, {:.4g} at most",
                               statistics.mean_neighbours(), statistics.rms_displacement(),
                               statistics.largest_displacement));
   lines.push_back("status: " + statuses_text(statistics));
-  lines.push_back(fmt::format("time {} ({}); peak memory {} of {}",
-                              short_time(report.total_seconds), stages_text(report),
-                              short_size(report.peak_memory), short_size(report.memory_limit)));
-  lines.push_back(fmt::format("{}: {} points in {} tiles, {} points/s", report.output,
-                              grouped(report.points_out), grouped(report.tiles),
-                              short_count(rate(report.points_out, report.total_seconds))));
+  lines.push_back(fmt::format("time {:.1f} s ({}); peak memory {} of {}", report.total_seconds,
+                              stages_text(report), short_size(report.peak_memory),
+                              short_size(report.memory_limit)));
+  lines.push_back(fmt::format(
+      "{}: {} points, {} points/s; tiles {}", report.output, grouped(report.points_out),
+      short_count(rate(report.points_out, report.total_seconds)), grouped(report.tiles)));
   return lines;
 }
 

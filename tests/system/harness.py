@@ -3,6 +3,7 @@
 import collections
 import hashlib
 import json
+import math
 import os
 import pathlib
 import random
@@ -36,6 +37,16 @@ def start(*words, **options):
     return process
 
 
+def signal_to(process, number):
+    """Sends a signal without reaping, as Popen.send_signal may: finish() does that."""
+    os.kill(process.pid, number)
+
+
+def ended(process):
+    """Whether a started pss has ended; finish() still finds it."""
+    return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+
 def finish(process):
     """Waits for a started pss.
 
@@ -64,6 +75,11 @@ def sha256(path):
         while chunk := file.read(1 << 20):
             digest.update(chunk)
     return digest.hexdigest()
+
+
+def torus_spacing(points):
+    """The mean spacing of a synthesised torus of the default size: root of area / points."""
+    return (4 * math.pi**2 * 1.0 * 0.4 / points) ** 0.5
 
 
 class SystemTest(unittest.TestCase):
@@ -173,10 +189,11 @@ def write_las(path, records, scale=0.001, offset=(0.0, 0.0, 0.0), point_format=0
     struct.pack_into("<HHHII", header, 90, 1, 2020, 227, 227, 0)
     struct.pack_into("<BHI", header, 104, point_format, size, len(records))
     struct.pack_into("<3d3d", header, 131, *[scale] * 3, *offset)
-    raw = [struct.unpack_from("<3i", record) for record in records] or [(0, 0, 0)]
-    for axis in range(3):
-        values = [r[axis] * scale + offset[axis] for r in raw]
-        struct.pack_into("<2d", header, 179 + 16 * axis, max(values), min(values))
+    for axis in range(3 if records else 0):
+        low = min(struct.unpack_from("<i", record, 4 * axis)[0] for record in records)
+        high = max(struct.unpack_from("<i", record, 4 * axis)[0] for record in records)
+        struct.pack_into("<2d", header, 179 + 16 * axis,
+                         high * scale + offset[axis], low * scale + offset[axis])
     with open(path, "wb") as file:
         file.write(header)
         file.writelines(records)

@@ -8,34 +8,39 @@ import time
 import harness
 from harness import FAILED, INTERRUPTED, SystemTest
 
-POINTS = int(os.environ.get("PSS_RESUME_POINTS", 300000))
+# A long form by hand: PSS_RESUME_POINTS=3000000 python3 tests/system/resume_test.py Kills
+KILLED_POINTS = int(os.environ.get("PSS_RESUME_POINTS", 300000))
 KILLS = int(os.environ.get("PSS_RESUME_KILLS", 20))
-TILE = max(2000, POINTS // 100)
 
 
-class Resume(SystemTest):
+class ResumeTest(SystemTest):
+    points = 100000
+
     def setUp(self):
         super().setUp()
-        self.scan = self.synth("scan.las", "--scans", "3", "--noise", "0.2", points=POINTS)
+        self.scan = self.synth("scan.las", "--scans", "3", "--noise", "0.2", points=self.points)
         self.out = self.path("out.las")
 
     def words(self, out, *more):
-        return ["smooth", self.scan, "-o", out, "--tile-points", TILE, "--radius",
-                self.radius(), "--progress", "none", "--memory-limit", "192M", *more]
-
-    def radius(self):
-        """Three spacings of the default torus: quick, and many tiles meet."""
-        return 3 * (4 * 3.14159265**2 * 1.0 * 0.4 / POINTS) ** 0.5 * 1.5
+        return ["smooth", self.scan, "-o", out, "--tile-points", self.points // 100, "--radius",
+                4 * harness.torus_spacing(self.points), "--progress", "none", "--memory-limit",
+                "192M", *more]
 
     def start_and_wait_for_tiles(self):
-        """A job that has begun to write its result, stopped by nothing yet."""
+        """A job that has begun to write its result."""
+        work = self.path("out.las.work")
+        self.assertFalse(work.exists())
         process = harness.start(*self.words(self.out))
         deadline = time.monotonic() + 120
-        while not (self.path("out.las.work") / "result.pss").exists():
-            self.assertIsNone(process.poll(), "ended before it could be interrupted")
+        while not (work / "result.pss").exists():
+            self.assertFalse(harness.ended(process), "ended before it could be interrupted")
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.01)
         return process
+
+
+class Kills(ResumeTest):
+    points = KILLED_POINTS
 
     def test_kill_at_any_moment(self):
         whole = self.ok(*self.words(self.path("whole.las")))
@@ -46,7 +51,7 @@ class Resume(SystemTest):
             job = harness.start(*self.words(self.out, "--threads", rng.choice([1, 2])))
             if kills < KILLS:
                 time.sleep(rng.uniform(0, whole.seconds / 2))
-                job.kill()
+                harness.signal_to(job, signal.SIGKILL)
             run = harness.finish(job)
             if run.code == -signal.SIGKILL:
                 kills += 1
@@ -57,43 +62,49 @@ class Resume(SystemTest):
             self.out.unlink()
         print(f"{kills} kills, {completions} completions, same SHA-256")
 
-    def test_signals_end_it_within_seconds_and_it_goes_on(self):
-        self.ok(*self.words(self.path("whole.las")))
-        for number in (signal.SIGINT, signal.SIGTERM):
-            with self.subTest(number):
-                job = self.start_and_wait_for_tiles()
-                job.send_signal(number)
-                began = time.monotonic()
-                run = harness.finish(job)
-                self.assertLess(time.monotonic() - began, 2)
-                self.assertEqual(run.code, INTERRUPTED, run.err)
-                self.assertIn(f"smooth {self.scan} -o {self.out}", run.err)
-                self.assertFalse(self.out.exists())
-                self.ok(*self.words(self.out, "--memory-limit", "256M"))
-                self.assertEqual(harness.sha256(self.out),
-                                 harness.sha256(self.path("whole.las")))
-                self.out.unlink()
+
+class Resume(ResumeTest):
+    def interrupted(self, number):
+        whole = self.path("whole.las")
+        self.ok(*self.words(whole))
+        job = self.start_and_wait_for_tiles()
+        harness.signal_to(job, number)
+        began = time.monotonic()
+        run = harness.finish(job)
+        self.assertLess(time.monotonic() - began, 2)
+        self.assertEqual(run.code, INTERRUPTED, run.err)
+        self.assertIn(f"smooth {self.scan} -o {self.out}", run.err)
+        self.assertFalse(self.out.exists())
+        self.ok(*self.words(self.out, "--threads", 1))
+        self.assertEqual(harness.sha256(self.out), harness.sha256(whole))
+
+    def test_sigint_ends_it_within_seconds_and_it_goes_on(self):
+        self.interrupted(signal.SIGINT)
+
+    def test_sigterm_ends_it_within_seconds_and_it_goes_on(self):
+        self.interrupted(signal.SIGTERM)
 
     def test_a_second_process_is_refused_and_a_dead_holder_is_not_in_the_way(self):
         job = self.start_and_wait_for_tiles()
-        job.send_signal(signal.SIGSTOP)
+        harness.signal_to(job, signal.SIGSTOP)
         self.refused(FAILED, *self.words(self.out), says=[job.pid])
-        job.kill()
+        harness.signal_to(job, signal.SIGKILL)
         harness.finish(job)
         self.ok(*self.words(self.out))
 
     def test_other_parameters_or_inputs_are_refused_by_name_until_restart(self):
         job = self.start_and_wait_for_tiles()
-        job.kill()
+        harness.signal_to(job, signal.SIGKILL)
         harness.finish(job)
-        self.refused(FAILED, *self.words(self.out, "--degree", "1"), says=["degree", "--restart"])
+        self.refused(FAILED, *self.words(self.out, "--degree", "1"),
+                     says=["polynomial-order", "--restart"])
         os.utime(self.scan, ns=(1, 1))
         self.refused(FAILED, *self.words(self.out), says=["scan.las", "--restart"])
         self.ok(*self.words(self.out, "--degree", "1", "--restart"))
 
     def test_info_tells_how_far_a_job_is(self):
         job = self.start_and_wait_for_tiles()
-        job.kill()
+        harness.signal_to(job, signal.SIGKILL)
         harness.finish(job)
         table = self.ok("info", self.path("out.las.work")).out
         self.assertRegex(table, r"stage +smooth")
