@@ -7,36 +7,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/touched_cells.h"
+
 namespace pss {
 namespace {
 
-/// Cells that a ball may touch; with sides of at least its radius it never touches more.
-constexpr std::size_t kMostCells = 27;
 /// Points a cell on average, at least: what keeps the table small beside the points.
 constexpr std::size_t kPointsPerCell = 8;
-/// Bounds the rounding of a plain sum of squares against length_sq, and much else.
-constexpr double kSlack = 1e-12;
-
-using Biased3 = std::array<std::uint64_t, 3>;
-
-/// An axis of the lattice counted from its lower end, as keys count it.
-std::uint64_t biased(std::int64_t index) { return static_cast<std::uint64_t>(index - kLatticeMin); }
-
-/// The part of a key that one axis contributes.
-Key axis_key(std::size_t axis, std::uint64_t position) {
-  Index3 index{kLatticeMin, kLatticeMin, kLatticeMin};
-  index[axis] += static_cast<std::int64_t>(position);
-  return encode_key(index);
-}
-
-/// The key after the last one of the cell of side 2^shift that begins at `first`.
-Key after_cell(Key first, int shift) {
-  constexpr std::uint64_t kWord = std::uint64_t{1} << 63;
-  if (3 * shift >= 63) return {first.high + (std::uint64_t{1} << (3 * shift - 63)), first.low};
-  first.low += std::uint64_t{1} << (3 * shift);
-  if (first.low >= kWord) return {first.high + 1, first.low - kWord};
-  return first;
-}
 
 /// The side, as a power of two, of the smallest cell that holds both positions.
 int common_shift(const Index3& a, const Index3& b) {
@@ -44,88 +21,6 @@ int common_shift(const Index3& a, const Index3& b) {
       (biased(a[0]) ^ biased(b[0])) | (biased(a[1]) ^ biased(b[1])) | (biased(a[2]) ^ biased(b[2]));
   return 64 - std::countl_zero(differing);
 }
-
-/// The largest number of whole steps that a length may reach along an axis, and one more.
-std::int64_t steps_within(double length, double scale) {
-  constexpr double kMost = 0x1p43;
-  return static_cast<std::int64_t>(std::min(length / scale, kMost)) + 1;
-}
-
-/// The lattice's part of a box around a ball.
-struct Box {
-  Biased3 low;
-  Biased3 high;
-
-  Box(const Lattice& lattice, const Query& query, double radius) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::int64_t steps =
-          steps_within(radius + std::abs(query.remainder[a]), lattice.scale[a]);
-      low[a] = biased(std::clamp(query.position[a] - steps, kLatticeMin, kLatticeMax));
-      high[a] = biased(std::clamp(query.position[a] + steps, kLatticeMin, kLatticeMax));
-    }
-  }
-
-  std::uint64_t cells_along(std::size_t axis, int shift) const {
-    return (high[axis] >> shift) - (low[axis] >> shift) + 1;
-  }
-
-  /// The smallest cells of which the box touches no more than kMostCells.
-  int shift() const {
-    const std::uint64_t longest = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
-    int shift = std::max(0, 59 - std::countl_zero(longest));  // 1/32 of it at least
-    while (cells_along(0, shift) * cells_along(1, shift) * cells_along(2, shift) > kMostCells)
-      ++shift;
-    return shift;
-  }
-};
-
-/// One axis of a box's cells: their parts of the key, and how far from the ball's centre they are.
-struct Slabs {
-  std::array<Key, kMostCells> key;
-  std::array<double, kMostCells> distance_sq;
-  std::size_t count;
-
-  Slabs(const Lattice& lattice, const Query& query, const Box& box, int shift, std::size_t axis)
-      : count(box.cells_along(axis, shift)) {
-    const std::uint64_t centre = biased(query.position[axis]);
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint64_t first = ((box.low[axis] >> shift) + i) << shift;
-      const std::uint64_t last = first + (std::uint64_t{1} << shift) - 1;
-      const std::uint64_t gap = centre < first ? first - centre : centre > last ? centre - last : 0;
-      const double least = lattice.scale[axis] * static_cast<double>(gap) -
-                           std::abs(query.remainder[axis]) * (1 + kSlack);
-      key[i] = axis_key(axis, first);
-      distance_sq[i] = least > 0 ? least * least : 0;
-    }
-  }
-};
-
-/// The first keys of the cells that a ball may touch, in order.
-struct TouchedCells {
-  std::array<Key, kMostCells> first;
-  std::size_t count = 0;
-  int shift;
-
-  /// Takes the grid's cells, of side 2^grid_shift, if the best ones are little finer: their
-  /// borders need no search among points.
-  TouchedCells(const Lattice& lattice, const Query& query, double radius, int grid_shift) {
-    const Box box(lattice, query, radius);
-    shift = box.shift();
-    if (shift == grid_shift - 1) shift = grid_shift;
-    const Slabs x(lattice, query, box, shift, 0);
-    const Slabs y(lattice, query, box, shift, 1);
-    const Slabs z(lattice, query, box, shift, 2);
-    const double limit = radius * radius * (1 + kSlack);
-    for (std::size_t k = 0; k < z.count; ++k)
-      for (std::size_t j = 0; j < y.count; ++j)
-        for (std::size_t i = 0; i < x.count; ++i) {
-          if (x.distance_sq[i] + y.distance_sq[j] + z.distance_sq[k] > limit) continue;
-          first[count++] = {x.key[i].high | y.key[j].high | z.key[k].high,
-                            x.key[i].low | y.key[j].low | z.key[k].low};
-        }
-    std::sort(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(count));
-  }
-};
 
 /// Offsets on their way into vectors, which would clear what they are grown by.
 class OffsetBuffer {
@@ -231,7 +126,7 @@ CellGrid::CellGrid(const Lattice& lattice, std::span<const Index3> points, doubl
   assert(points.size() < std::numeric_limits<std::uint32_t>::max());
   assert(std::ranges::is_sorted(points, {}, encode_key));
   if (points.empty()) return;
-  shift_ = affordable_shift(points, Box(lattice, {points[points.size() / 2]}, radius).shift());
+  shift_ = affordable_shift(points, BallBox(lattice, {points[points.size() / 2]}, radius).shift());
   std::size_t count = 1;
   for (std::size_t i = 1; i < points.size(); ++i)
     count += common_shift(points[i - 1], points[i]) > shift_;
