@@ -1,12 +1,7 @@
 #include "stream/job.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -20,7 +15,6 @@ using nlohmann::json;
 constexpr std::uint64_t kLargestRecord = 64u << 20;
 
 std::string record_path(const std::string& work_dir) { return work_dir + "/job.json"; }
-std::string lock_path(const std::string& work_dir) { return work_dir + "/lock"; }
 
 json to_json(const InputRecord& record) {
   return {{"path", record.path},
@@ -65,22 +59,6 @@ Error other_job(const std::string& work_dir, const std::string& difference) {
                       work_dir, difference)};
 }
 
-std::string holder_text(int descriptor) {
-  char text[256] = {};
-  const ssize_t size = pread(descriptor, text, sizeof text - 1, 0);
-  return size > 0 ? std::string(text, static_cast<std::size_t>(size)) : "another process";
-}
-
-Result<void> write_holder(int descriptor, const std::string& path) {
-  char host[256] = {};
-  gethostname(host, sizeof host - 1);
-  const std::string text = fmt::format("process {} on {}", getpid(), host);
-  const auto size = static_cast<ssize_t>(text.size());
-  if (ftruncate(descriptor, 0) == 0 && pwrite(descriptor, text.data(), text.size(), 0) == size)
-    return {};
-  return Error{Fault::kFailed, fmt::format("{}: {}", path, std::strerror(errno))};
-}
-
 }  // namespace
 
 Result<void> check_same_job(const JobRecord& then, const JobRecord& now,
@@ -117,28 +95,8 @@ bool wrote(const JobRecord& record, const std::string& path) {
 
 Result<WorkDirectory> WorkDirectory::open(const std::string& path) {
   PSS_TRY(make_directories(path));
-  WorkDirectory directory(path);
-  const std::string lock = lock_path(path);
-  const int descriptor = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0)
-    return Error{Fault::kFailed, fmt::format("{}: {}", lock, std::strerror(errno))};
-  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    const std::string holder = holder_text(descriptor);
-    close(descriptor);
-    return Error{Fault::kFailed,
-                 fmt::format("{}: {} works on this job; wait for it, or use another --work-dir",
-                             path, holder)};
-  }
-  directory.lock_ = descriptor;
-  PSS_TRY(write_holder(descriptor, lock));
-  return directory;
-}
-
-WorkDirectory::WorkDirectory(WorkDirectory&& other) noexcept
-    : path_(std::move(other.path_)), lock_(std::exchange(other.lock_, -1)) {}
-
-WorkDirectory::~WorkDirectory() {
-  if (lock_ >= 0) close(lock_);
+  PSS_ASSIGN(FileLock lock, FileLock::take(path + "/lock"));
+  return WorkDirectory(path, std::move(lock));
 }
 
 Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir) {
@@ -173,13 +131,8 @@ Result<void> WorkDirectory::clear() const {
   return remove_all(record_path(path_));
 }
 
-std::optional<std::string> lock_holder(const std::string& work_dir) {
-  const int descriptor = ::open(lock_path(work_dir).c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor < 0) return std::nullopt;
-  std::optional<std::string> holder;
-  if (flock(descriptor, LOCK_SH | LOCK_NB) != 0) holder = holder_text(descriptor);
-  close(descriptor);
-  return holder;
+std::optional<std::string> job_holder(const std::string& work_dir) {
+  return lock_holder(work_dir + "/lock");
 }
 
 }  // namespace pss

@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
 #include "io/file.h"
+#include "io/file_lock.h"
 #include "stream/manifest.h"
 
 namespace pss {
@@ -29,18 +31,12 @@ Result<void> check_same_job(const JobRecord& then, const JobRecord& now,
 bool wrote(const JobRecord& record, const std::string& path);
 
 /// The work directory of a running job, locked as long as this lives.
-///
-/// The lock is the kernel's: it goes with its process, however that ends.
 class WorkDirectory {
  public:
   /// Makes the directory where it is missing, and takes its lock.
   ///
   /// Errors: kFailed where another process holds the lock (with pid and host), or for I/O.
   static Result<WorkDirectory> open(const std::string& path);
-
-  WorkDirectory(WorkDirectory&& other) noexcept;
-  WorkDirectory& operator=(WorkDirectory&&) = delete;
-  ~WorkDirectory();
 
   const std::string& path() const { return path_; }
   std::string input_store() const { return path_ + "/input.pss"; }
@@ -56,14 +52,14 @@ class WorkDirectory {
   Result<void> remove_data() const;
 
  private:
-  explicit WorkDirectory(std::string path) : path_(std::move(path)) {}
+  WorkDirectory(std::string path, FileLock lock) : path_(std::move(path)), lock_(std::move(lock)) {}
   std::string path_;
-  int lock_ = -1;
+  FileLock lock_;
 };
 
 /// The record in a work directory, without locking it.
 Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir);
 /// Who holds the lock of a work directory now: "process 123 on host".
-std::optional<std::string> lock_holder(const std::string& work_dir);
+std::optional<std::string> job_holder(const std::string& work_dir);
 
 }  // namespace pss

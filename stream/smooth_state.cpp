@@ -41,7 +41,7 @@ Result<JobState> read_job_state(const std::string& work_dir) {
   state.output = record->output;
   state.parameters = record->parameters;
   for (const InputRecord& input : record->inputs) state.inputs.push_back(input.path);
-  state.holder = lock_holder(work_dir);
+  state.holder = job_holder(work_dir);
   if (record->complete) {
     state.stage = "complete";
     return state;

@@ -53,7 +53,7 @@ TEST(WorkDirectory, RefusesASecondProcessByPidAndHost) {
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().fault, Fault::kFailed);
   EXPECT_NE(second.error().message.find(std::to_string(getpid())), std::string::npos);
-  EXPECT_EQ(lock_holder(folder / "w").value_or("").find("process "), 0u);
+  EXPECT_EQ(job_holder(folder / "w").value_or("").find("process "), 0u);
 }
 
 TEST(WorkDirectory, TakesOverTheLockOfADeadProcess) {
