@@ -97,8 +97,9 @@ std::string as_text(const Json& value) {
   if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
   if (value.is_number_unsigned()) return grouped(value.get<std::uint64_t>());
   if (value.is_number_float()) return fmt::format("{:.12g}", value.get<double>());
-  if (value.is_null()) return "not told";
+  if (value.is_null()) return "not given";
   if (!value.is_structured()) return value.dump();
+  if (value.empty()) return "none";
   std::vector<std::string> parts;
   for (const auto& [key, part] : value.items())
     parts.push_back(value.is_object() ? key + " " + as_text(part) : as_text(part));

@@ -66,7 +66,7 @@ std::string estimate_text(const SmoothEstimate& estimate) {
   line("points", grouped(estimate.points));
   line("tiles", grouped(estimate.tiles));
   line("parts", grouped(estimate.parts));
-  line("halo", fmt::format("{:.0f}% of the points", estimate.halo_share * 100));
+  line("halo", fmt::format("at most {:.0f}% of the points", estimate.halo_share * 100));
   line("peak memory", short_size(estimate.peak_memory));
   line("disk", short_size(estimate.disk_bytes));
   line("time", short_time(estimate.seconds));
