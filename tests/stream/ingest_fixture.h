@@ -60,7 +60,7 @@ inline void write_cloud(const std::string& path, const Cloud& cloud,
   PointBatch batch;
   batch.index = cloud.positions;
   batch.rows = cloud.rows;
-  expect_ok(writer->write(batch));
+  if (batch.size() > 0) expect_ok(writer->write(batch));
   expect_ok(writer->finish());
 }
 
