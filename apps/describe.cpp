@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -165,8 +166,9 @@ Json describe_store(const Store& store) {
   facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);
   facts["bytes_on_disk"] = store.bytes_on_disk();
   if (store.points() > 0)
-    facts["bytes_per_point"] =
-        static_cast<double>(store.bytes_on_disk() * 100 / store.points()) / 100;
+    facts["bytes_per_point"] = std::round(100 * static_cast<double>(store.bytes_on_disk()) /
+                                          static_cast<double>(store.points())) /
+                               100;
   facts["attributes"] = describe_schema(header.schema);
   facts["inputs"] = input_paths(header.inputs);
   if (!header.parameters.empty()) facts["parameters"] = parsed(header.parameters);

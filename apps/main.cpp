@@ -92,10 +92,11 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& stop) {
     return app.exit(stop) == 0 ? 0 : static_cast<int>(Fault::kUsage);
   }
+  const std::span<char*> words(argv, static_cast<std::size_t>(argc));
   for (const auto& [sub, command] : all) {
     if (!sub->parsed()) continue;
     const Result<void> result = command->run();
-    if (!result) return fail(result.error(), command->resumable(), std::span(argv, argc));
+    if (!result) return fail(result.error(), command->resumable(), words);
     if (std::fflush(stdout) != 0)
       return fail({Fault::kFailed, "cannot write to stdout"}, false, {});
   }
