@@ -6,7 +6,7 @@ import random
 import struct
 
 import harness
-from harness import DATA, FAILED, MEMORY_LIMIT, USAGE, Las, SystemTest, needs_data
+from harness import BAD_INPUT, DATA, FAILED, MEMORY_LIMIT, USAGE, Las, SystemTest, needs_data
 
 MIB = 1 << 20
 
@@ -35,6 +35,13 @@ class RealScans(SystemTest):
 
     def test_las_point_format_7(self):
         self.keeps_all_but_coordinates("autzen_trim_pf7.las")
+
+    def test_scans_of_different_coordinate_systems_are_refused(self):
+        scans = [DATA / "scans" / name for name in ("autzen_trim.las", "lone_star_pf6.las")]
+        for command in ("smooth", "convert"):
+            self.refused(BAD_INPUT, command, *scans, "-o", self.path("out.las"),
+                         says=["lone_star_pf6.las"])
+            self.assertFalse(self.path("out.las").exists())
 
     def test_ply_keeps_every_property(self):
         for name in ("bunny_ascii.ply", "pond_binary_normals_rgb.ply"):
@@ -97,6 +104,25 @@ class Words(SystemTest):
         super().setUp()
         self.scan = self.synth("scan.las", "--noise", "0.2")
         self.out = self.path("out.las")
+
+    def test_project_is_another_name_for_smooth(self):
+        self.ok("smooth", self.scan, "-o", self.out)
+        self.ok("project", self.scan, "-o", self.path("other.las"))
+        self.assertEqual(harness.sha256(self.out), harness.sha256(self.path("other.las")))
+
+    def test_several_scans_are_smoothed_as_one(self):
+        las = Las(self.scan)
+        half = las.count // 2
+        parts = [self.path("a.las"), self.path("b.las")]
+        for part, numbers in zip(parts, (range(half), range(half, las.count))):
+            harness.write_las(part, [las.record(i) for i in numbers], las.scale[0], las.offset, 1)
+        self.ok("smooth", self.scan, "-o", self.out)
+        self.ok("smooth", *parts, "-o", self.path("parts.las"))
+        self.assertEqual(Las(self.path("parts.las")).records, Las(self.out).records)
+
+    def test_a_missing_input_is_1(self):
+        self.refused(FAILED, "smooth", self.path("missing.las"), "-o", self.out,
+                     says=["missing.las"])
 
     def test_dry_run_prints_and_writes_nothing(self):
         run = self.ok("smooth", self.scan, "-o", self.out, "--dry-run")
