@@ -81,7 +81,7 @@ void RowMapper::add_convert(const Schema& from, const Schema& to, const std::str
 }
 
 void RowMapper::map(std::span<const std::byte> from, std::span<std::byte> to) const {
-  if (to_size_ == 0) return;
+  if (to.empty()) return;
   if (identity_) {
     assert(from.size() == to.size());
     std::memcpy(to.data(), from.data(), from.size());

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <string_view>
@@ -31,6 +32,7 @@ class TextWriter final : public Writer {
       : output_(std::move(output)),
         plan_(std::move(plan)),
         grid_(options.grid),
+        tolerance_(options.tolerance),
         row_size_(options.schema.row_size()),
         promised_(options.count) {}
 
@@ -49,6 +51,7 @@ class TextWriter final : public Writer {
   OutputFile output_;
   TextPlan plan_;
   std::optional<Lattice> grid_;
+  double tolerance_;
   std::size_t row_size_;
   std::uint64_t promised_;
   std::uint64_t written_ = 0;
@@ -89,7 +92,8 @@ Result<void> TextWriter::write(const PointBatch& batch) {
 void TextWriter::append_position(const PointBatch& batch, std::size_t point, std::size_t axis) {
   const double value = world_position(batch, grid_, point)[axis];
   if (batch.index.empty()) return append_number(value, pending_);
-  append_decimal(value, decimal_tolerance(grid_->origin[axis], value), pending_);
+  const double rounding = decimal_tolerance(grid_->origin[axis], value);
+  append_decimal(value, std::max(rounding, tolerance_), pending_);
 }
 
 void TextWriter::append_value(const TextSource& source, const std::byte* row) {

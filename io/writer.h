@@ -18,7 +18,8 @@ struct WriteOptions {
   Schema schema;                ///< of the rows that write() gets
   std::optional<Lattice> grid;  ///< of the positions that write() gets, where they are integers
   std::uint64_t count = 0;  ///< points to come; more is an error, fewer is corrected in the header
-  std::optional<Carry> carry;           ///< header to carry on, used where its format is this one
+  std::optional<Carry> carry;  ///< header to carry on, used where its format is this one
+  double tolerance = 0;  ///< positions are known no better: text gets the shortest number this near
   std::optional<WorldBox> bounds;       ///< of the points to come; to choose scale and offset by
   std::optional<World3> scale, offset;  ///< LAS: instead of the carried or chosen ones
   /// The points to come are those of the carried header's file, all and in order: what its header

@@ -58,6 +58,8 @@ WriteOptions write_options(const Store& store, Format format, const ExportOption
   write.carry = header.carry;
   write.bounds = world_bounds(header.lattice, bounds_of(store));
   write.overwrite = options.overwrite;
+  // Positions that came as floating point are known to half a step of their lattice.
+  if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
   const auto grid = export_grid(header, bounds_of(store), 0, format, options);
   if (grid) {
     write.scale = grid->scale;

@@ -67,7 +67,8 @@ ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& p
       header_(source.header()) {
   IndexBox bounds;
   for (const TileInfo& tile : source.tiles()) bounds.add(tile.box);
-  header_.lattice = refined_lattice(source_lattice_, bounds, largest_reach());
+  // Floating-point input has a fine lattice already.
+  if (header_.grid) header_.lattice = refined_lattice(source_lattice_, bounds, largest_reach());
   header_.ordered = false;
   refinement_ = std::llrint(source_lattice_.scale[0] / header_.lattice.scale[0]);
 }

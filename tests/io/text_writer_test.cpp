@@ -141,6 +141,17 @@ TEST_F(TextWriterTest, WritesGridPositionsAsDecimals) {
   EXPECT_EQ(write("a.xyz", options, points), "637012.24 -0.097 -0.25\n0 0 2\n");
 }
 
+TEST_F(TextWriterTest, WritesTheShortestNumberWithinWhatIsKnownOfAPosition) {
+  WriteOptions options{.format = Format::kText, .count = 1};
+  options.grid = Lattice{{0x1p-24, 0x1p-24, 0x1p-24}, {0, 0, 0}};
+  options.tolerance = 0x1p-25;
+  PointBatch points;
+  points.index.push_back(to_index(*options.grid, {0.1, -123456.789, 1 + 0x1p-23}));
+
+  // The last is two steps from 1, which is too far to be taken for it.
+  EXPECT_EQ(write("a.xyz", options, points), "0.1 -123456.789 1.0000001\n");
+}
+
 TEST_F(TextWriterTest, WritesScalesBitsAndLargeIntegersAsTheyAre) {
   Field flags{"Flags", Type::kUint8, 1, 1, 0, {{"ReturnNumber", 0, 3}, {"Edge", 3, 1}}};
   Field angle{"ScanAngle", Type::kInt16, 1, 0.006, 0, {}};

@@ -40,6 +40,7 @@ Cloud wave(std::uint64_t seed) {
 Store store_of(const Cloud& cloud, const std::string& path, std::vector<std::size_t> cuts) {
   StoreHeader header;
   header.lattice = kLattice;
+  header.grid = kLattice;
   header.schema = class_schema();
   StoreWriter writer = expect_value(StoreWriter::create(path, header));
   std::size_t begin = 0;
