@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "io/file.h"
@@ -14,21 +13,11 @@
 #include "stream/input_stream.h"
 #include "stream/merge.h"
 #include "stream/run_log.h"
+#include "stream/stopwatch.h"
 #include "stream/tile_writer.h"
 
 namespace pss {
 namespace {
-
-/// Seconds since it was made.
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 std::string runs_folder(const std::string& work_dir) { return work_dir + "/runs"; }
 

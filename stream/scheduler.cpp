@@ -3,22 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <future>
 #include <utility>
 
 #include "core/parallel.h"
 #include "stream/committer.h"
+#include "stream/stopwatch.h"
 
 namespace pss {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// What remains to be done, in order: whole tiles, or parts of one that was cut.
 class PartQueue {
@@ -151,19 +145,19 @@ class Pipeline {
 
   /// The part that was read ahead, or one read now.
   Result<Fetched> next() {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     Result<Fetched> fetched = ahead_.valid() ? ahead_.get() : fetch();
-    summary_.wait_seconds += seconds_since(start);
+    summary_.wait_seconds += watch.seconds();
     return fetched;
   }
 
   /// Loads a part whose memory was taken when it was planned: now all but the queue's is free.
   Result<void> load_if_missing(Fetched& fetched) {
     if (fetched.part) return {};
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     PSS_TRY(committer_.drain());
     PSS_TRY(try_load(fetched));
-    summary_.wait_seconds += seconds_since(start);
+    summary_.wait_seconds += watch.seconds();
     if (fetched.part) return {};
     return Error{Fault::kMemoryLimit,
                  fmt::format("{}: a part of {} points does not fit beside what else is held; use a "
@@ -172,7 +166,7 @@ class Pipeline {
   }
 
   Result<void> compute(Part& part) {
-    const Clock::time_point start = Clock::now();
+    const Stopwatch watch;
     FinishedPart finished;
     finished.notes = op_.apply(part, monitor_);
     if (monitor_.stopping()) return Error{Fault::kInterrupted, "interrupted"};
@@ -186,7 +180,7 @@ class Pipeline {
     for (const EncodedBlock& block : finished.blocks) bytes += block.bytes.capacity();
     part.memory.shrink_to(bytes);
     finished.memory = std::move(part.memory);
-    summary_.compute_seconds += seconds_since(start);
+    summary_.compute_seconds += watch.seconds();
     return committer_.push(std::move(finished));
   }
 
@@ -236,11 +230,11 @@ class Pipeline {
 
 Result<ScheduleSummary> run_operator(const Store& source, const Operator& op, StoreWriter& result,
                                      MemoryBudget& budget, Monitor& monitor) {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   const std::uint64_t resumed = result.tiles().size();
   PSS_ASSIGN(ScheduleSummary summary, Pipeline(source, op, result, budget, monitor).run());
   summary.resumed_tiles = resumed;
-  summary.seconds = seconds_since(start);
+  summary.seconds = watch.seconds();
   return summary;
 }
 

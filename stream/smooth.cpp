@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 #include "core/parallel.h"
@@ -11,19 +10,10 @@
 #include "stream/fingerprint.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_json.h"
+#include "stream/stopwatch.h"
 
 namespace pss {
 namespace {
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// One run of a job, stage by stage, in the order of the members.
 class SmoothRun {

@@ -1,18 +1,16 @@
 // What a smoothing job would take: `--dry-run`.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 #include "core/parallel.h"
 #include "stream/smooth.h"
 #include "stream/smooth_job.h"
+#include "stream/stopwatch.h"
 
 namespace pss {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr double kUsualTilePoints = kTilePoints / 1.7;  ///< between a full tile and a quarter of it
 constexpr double kUsualNeighbours = 113;                ///< at h = 2 spacings
@@ -41,11 +39,11 @@ double seconds_per_point(double neighbours, int degree) {
   const auto count = static_cast<std::size_t>(std::clamp(neighbours, 3.0, 20000.0) * share * share);
   const Offsets patch = flat_patch(count, support);
   std::uint64_t points = 0;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   double elapsed = 0;
   do {
     points += project_levin(patch, support, degree).neighbours > 0;
-    elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+    elapsed = watch.seconds();
   } while (elapsed < kCalibrationSeconds);
   return 1.5 * elapsed / static_cast<double>(points);  // the search for neighbours takes the half
 }
