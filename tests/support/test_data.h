@@ -16,8 +16,8 @@ inline std::filesystem::path data_folder() {
 }
 
 /// Skips the test, visibly, where the real scans are missing.
-#define PSS_REQUIRE_DATA()                                   \
-  if (!std::filesystem::exists(pss::test::data_folder()))    \
+#define PSS_REQUIRE_DATA()                                \
+  if (!std::filesystem::exists(pss::test::data_folder())) \
   GTEST_SKIP() << "no test data at " << pss::test::data_folder()
 
 /// A directory of this test's own, removed at its end.
