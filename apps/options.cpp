@@ -9,6 +9,7 @@
 
 #include "core/parallel.h"
 #include "io/file.h"
+#include "io/inputs.h"
 #include "stream/memory.h"
 
 namespace pss {
@@ -154,6 +155,10 @@ void ReportOptions::declare_progress(Arguments& arguments) {
 void ReportOptions::declare_report(Arguments& arguments) {
   arguments.option("--report", "FILE", "Write a JSON report at the end; keys: docs/report.md",
                    report, parse_text);
+}
+
+Result<void> ReportOptions::check() const {
+  return report.empty() ? Result<void>() : check_output({}, report);
 }
 
 Result<void> ReportOptions::write(const std::string& json) const {

@@ -48,6 +48,8 @@ struct ReportOptions {
 
   void declare_progress(Arguments& arguments);
   void declare_report(Arguments& arguments);
+  /// Errors: where a report could not be written, told before the work rather than after it.
+  Result<void> check() const;
   /// Writes `json` to the report's path, if there is one.
   Result<void> write(const std::string& json) const;
 };

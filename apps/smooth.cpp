@@ -46,6 +46,7 @@ class Smooth : public Command {
   Result<void> run() override {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_));
+    PSS_TRY(reports_.check());
     take_options();
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());

@@ -67,7 +67,7 @@ Result<void> leave(const TileJob& job, const WorkDirectory& work, JobRecord& rec
   // Recorded first: a job stopped after the rename knows its output again.
   PSS_ASSIGN(record.result, fingerprint(manifest_path(work.input_store())));
   PSS_TRY(work.write_record(record));
-  if (job.directory.overwrite) PSS_TRY(remove_all(job.output));
+  if (job.directory.overwrite) PSS_TRY(remove_store(job.output));
   PSS_TRY(rename_file(work.input_store(), job.output));
   record.complete = true;
   PSS_ASSIGN(record.result, fingerprint(manifest_path(job.output)));
@@ -105,6 +105,8 @@ class Tile : public Command {
                    fmt::format("--output: found '{}', expected NAME.pss", job_.output)};
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_));
+    PSS_TRY(check_output(job_.inputs, job_.output));
+    PSS_TRY(reports_.check());
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);

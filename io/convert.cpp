@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "io/inputs.h"
 #include "io/reader_on_demand.h"
 #include "io/writer.h"
 
@@ -228,6 +229,7 @@ Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
 Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std::string& output,
                                const ConvertOptions& options, Monitor& monitor) {
   PSS_ASSIGN(const Format format, format_for(output));
+  PSS_TRY(check_output(inputs, output));
   std::vector<std::unique_ptr<Reader>> owned;
   std::vector<Reader*> readers;
   bool carried = false;

@@ -104,4 +104,17 @@ Result<std::vector<std::string>> expand_inputs(std::span<const std::string> argu
   return paths;
 }
 
+Result<void> check_output(std::span<const std::string> inputs, const std::string& output) {
+  std::error_code ignored;
+  for (const std::string& input : inputs)
+    if (std::filesystem::equivalent(input, output, ignored))
+      return Error{Fault::kUsage,
+                   fmt::format("{}: is an input, {}; an input is never replaced, choose another "
+                               "output",
+                               output, input)};
+  const std::string folder = directory_of(output);
+  if (std::filesystem::is_directory(folder, ignored)) return {};
+  return failed(output, "its folder is missing; make it, or choose another output");
+}
+
 }  // namespace pss

@@ -18,4 +18,9 @@ namespace pss {
 /// Errors: kFailed naming what is missing or matches nothing.
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments);
 
+/// Refuses, before any work, an output that is one of the inputs or lies in a missing folder.
+///
+/// Errors: kUsage for an input, by whatever name or link; kFailed for the folder.
+Result<void> check_output(std::span<const std::string> inputs, const std::string& output);
+
 }  // namespace pss

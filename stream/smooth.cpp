@@ -46,6 +46,7 @@ class SmoothRun {
                            const WorkDirectory& work) const;
   Result<void> write(const WorkDirectory& work);
   Result<void> leave(const WorkDirectory& work);
+  void note_if_few_moved();
   void describe_run();
 
   const SmoothJob& job_;
@@ -177,12 +178,13 @@ Result<void> SmoothRun::write(const WorkDirectory& work) {
   report_.result_bytes = result->bytes_on_disk();
   for (const TileInfo& tile : result->tiles())
     report_.statistics.add(ProjectStatistics::from_bytes(tile.note));
+  note_if_few_moved();
   if (is_store_name(job_.output)) {
     result.reset();
     // Recorded first: a job stopped after the rename knows its output again.
     PSS_ASSIGN(record_.result, fingerprint(manifest_path(work.result_store())));
     PSS_TRY(work.write_record(record_));
-    if (job_.options.overwrite) PSS_TRY(remove_all(job_.output));
+    if (job_.options.overwrite) PSS_TRY(remove_store(job_.output));
     PSS_TRY(rename_file(work.result_store(), job_.output));
   } else {
     PSS_ASSIGN(const ExportSummary written,
@@ -200,6 +202,15 @@ Result<void> SmoothRun::leave(const WorkDirectory& work) {
   PSS_ASSIGN(record_.result, fingerprint(witness_of(job_)));
   PSS_TRY(work.write_record(record_));
   return job_.options.keep_work ? Result<void>() : work.remove_data();
+}
+
+/// Widths that reach too few neighbours, or too many, leave most points where they are.
+void SmoothRun::note_if_few_moved() {
+  const std::uint64_t moved = report_.statistics.moved();
+  if (2 * moved >= report_.points_out) return;
+  report_.notes.push_back(fmt::format(
+      "only {} of {} points moved; the status says why, --radius, --h and --knn decide it", moved,
+      report_.points_out));
 }
 
 void SmoothRun::describe_run() {

@@ -94,6 +94,13 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
   return estimate;
 }
 
+/// Sorting takes what it gets, up to all points at once; a tile and the next take theirs.
+std::uint64_t peak_from_files(std::uint64_t points, std::size_t row, const MemoryBudget& budget) {
+  const std::uint64_t sorting = points * (2 * row + 64);
+  const std::uint64_t tiles = 2 * std::min<std::uint64_t>(points, kTilePoints) * (2 * row + 100);
+  return budget.limit() - budget.total() + std::min(budget.total(), std::max(sorting, tiles));
+}
+
 Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
   IngestOptions options;
   options.tile_points = job.options.tile_points;
@@ -105,9 +112,12 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   const double per_tile = kUsualTilePoints * job.options.tile_points / kTilePoints;
   estimate.tiles = static_cast<std::uint64_t>(static_cast<double>(plan.points) / per_tile) + 1;
   estimate.parts = estimate.tiles;
+  estimate.widths = choose_widths(job.options.widths, std::nullopt);
+  if (needs_spacing(job.options.widths))
+    estimate.widths.why = "the spacing is measured once the points are sorted";
   // Perimeter over area of a square tile, at the default reach of 7 spacings.
   estimate.halo_share = 4 * 7 / std::sqrt(std::max(1.0, per_tile));
-  estimate.peak_memory = budget.limit();
+  estimate.peak_memory = peak_from_files(plan.points, schema.row_size(), budget);
   estimate.disk_bytes = plan.disk_bytes + plan.points * (12 + schema.row_size()) +
                         plan.points * (8 + schema.row_size() / 2);
   add_times(estimate, job.options.widths.degree, kUsualNeighbours);

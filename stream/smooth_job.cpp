@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "io/inputs.h"
 #include "io/writer.h"
 #include "stream/fingerprint.h"
 
@@ -37,6 +38,23 @@ json parameters_of(const SmoothJob& job) {
           {"tile-points", options.tile_points}};
 }
 
+/// The reach where it is known before any point is read.
+std::optional<double> known_reach(const WidthOptions& widths) {
+  if (needs_spacing(widths) || widths.knn) return std::nullopt;
+  const ChosenWidths chosen = choose_widths(widths, std::nullopt);
+  return reach({chosen.h, chosen.radius});
+}
+
+/// Refuses a buffer by hand that is less than `needed`.
+Result<void> check_buffer_width(const SmoothOptions& options, double needed) {
+  if (!options.buffer || options.allow_inexact || *options.buffer >= needed) return {};
+  return Error{
+      Fault::kUsage,
+      fmt::format("--buffer {} is less than the {:.6g} that exactness needs; leave it out, "
+                  "or add --allow-inexact",
+                  *options.buffer, needed)};
+}
+
 bool positive(const World3& v) {
   return std::ranges::all_of(v, [](double x) { return x > 0 && std::isfinite(x); });
 }
@@ -47,10 +65,12 @@ Result<void> check_job(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
   PSS_TRY(check_widths(options.widths));
   if (job.inputs.empty()) return Error{Fault::kUsage, "no input given"};
+  PSS_TRY(check_output(job.inputs, job.output));
   if (!is_store_name(job.output)) PSS_TRY(format_for(job.output));
   if (options.buffer && !(*options.buffer >= 0 && std::isfinite(*options.buffer)))
     return Error{Fault::kUsage,
                  fmt::format("--buffer: found {}, expected a length", *options.buffer)};
+  PSS_TRY(check_buffer_width(options, known_reach(options.widths).value_or(0)));
   if (options.scale && !positive(*options.scale))
     return Error{Fault::kUsage, "--scale: expected lengths above zero"};
   if (options.tile_points == 0) return Error{Fault::kUsage, "--tile-points: expected at least 1"};
@@ -125,12 +145,7 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {
-  if (!options.buffer || options.allow_inexact || *options.buffer >= op.largest_reach()) return {};
-  return Error{
-      Fault::kUsage,
-      fmt::format("--buffer {} is less than the {:.6g} that exactness needs; leave it out, "
-                  "or add --allow-inexact",
-                  *options.buffer, op.largest_reach())};
+  return check_buffer_width(options, op.largest_reach());
 }
 
 }  // namespace pss

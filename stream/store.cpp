@@ -75,6 +75,9 @@ std::optional<std::vector<BlockInfo>> parse_index(std::span<const std::byte> byt
 Result<Store> Store::open(const std::string& path) {
   Store store;
   store.path_ = path;
+  if (!is_store(path))
+    return Error{exists(path) ? Fault::kBadInput : Fault::kFailed,
+                 fmt::format("{}: found no store, expected a directory made by pss tile", path)};
   const bool finished = exists(manifest_path(path));
   const std::string log = finished ? manifest_path(path) : open_manifest_path(path);
   PSS_ASSIGN(store.manifest_size_,

@@ -35,16 +35,6 @@ Result<void> check_removable(const std::string& path) {
   return {};
 }
 
-/// The manifests go first: what is left without them is no store.
-Result<void> remove_store(const std::string& path) {
-  PSS_TRY(check_removable(path));
-  if (!exists(path)) return {};
-  PSS_TRY(remove_all(manifest_path(path)));
-  PSS_TRY(remove_all(open_manifest_path(path)));
-  PSS_TRY(sync_directory(path));
-  return remove_all(path);
-}
-
 IndexBox box_of_blocks(std::span<const BlockInfo> blocks) {
   IndexBox box = blocks[0].box;
   for (const BlockInfo& block : blocks) box.add(block.box);
@@ -58,6 +48,16 @@ std::uint64_t count_rows(std::span<const BlockInfo> blocks) {
 }
 
 }  // namespace
+
+Result<void> remove_store(const std::string& path) {
+  PSS_TRY(check_removable(path));
+  if (!exists(path)) return {};
+  // The manifests go first: what is left without them is no store.
+  PSS_TRY(remove_all(manifest_path(path)));
+  PSS_TRY(remove_all(open_manifest_path(path)));
+  PSS_TRY(sync_directory(path));
+  return remove_all(path);
+}
 
 Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHeader& header,
                                         std::uint64_t segment_size) {

@@ -20,6 +20,11 @@ namespace pss {
 /// A segment that has reached this size takes no further tile.
 inline constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 30;
 
+/// Removes a store; a missing one is no error.
+///
+/// Errors: kFailed, with nothing removed, where `path` holds anything that is not part of a store.
+Result<void> remove_store(const std::string& path);
+
 /// Appends tiles to a store, durably, one at a time.
 ///
 /// Thread: one.

@@ -89,5 +89,27 @@ TEST_F(InputsTest, RefuseListsInListsAndEmptyLists) {
   EXPECT_NE(expand({"@list.txt"})[0].find("no input"), std::string::npos);
 }
 
+TEST_F(InputsTest, AreNeverAnOutputByAnyName) {
+  std::filesystem::create_symlink(directory_.path() / "a.las", directory_.path() / "link.las");
+  const std::vector<std::string> inputs{directory_ / "b.las", directory_ / "link.las"};
+
+  for (const char* name : {"a.las", "link.las", "empty/../b.las"}) {
+    const Result<void> checked = check_output(inputs, directory_ / name);
+
+    ASSERT_FALSE(checked) << name;
+    EXPECT_EQ(checked.error().fault, Fault::kUsage);
+  }
+  EXPECT_TRUE(check_output(inputs, directory_ / "c d.ply"));
+  EXPECT_TRUE(check_output(inputs, directory_ / "new.las"));
+}
+
+TEST_F(InputsTest, NameTheMissingFolderOfAnOutput) {
+  const Result<void> checked = check_output({}, directory_ / "nowhere/out.las");
+
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().fault, Fault::kFailed);
+  EXPECT_NE(checked.error().message.find("folder is missing"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pss::test

@@ -120,6 +120,13 @@ class Words(SystemTest):
         self.ok("smooth", *parts, "-o", self.path("parts.las"))
         self.assertEqual(Las(self.path("parts.las")).records, Las(self.out).records)
 
+    def test_an_input_is_never_replaced(self):
+        before = harness.sha256(self.scan)
+        for command in ("smooth", "convert"):
+            self.refused(USAGE, command, self.scan, "-o", self.scan, "--overwrite",
+                         says=["is an input"])
+        self.assertEqual(harness.sha256(self.scan), before)
+
     def test_a_missing_input_is_1(self):
         self.refused(FAILED, "smooth", self.path("missing.las"), "-o", self.out,
                      says=["missing.las"])
