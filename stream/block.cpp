@@ -107,6 +107,7 @@ EncodedBlock encode_block(const Schema& schema, std::span<const Index3> position
                   block.bytes);
     end_column(block);
   }
+  block.bytes.shrink_to_fit();  // it may wait long to be written
   return block;
 }
 

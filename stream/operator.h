@@ -29,8 +29,8 @@ class Operator {
   /// Prepares a loaded part; a value is the reach that it really needs, to be loaded again with.
   virtual std::optional<double> prepare(Part& part) const = 0;
 
-  /// What a part holds in memory at most while it is worked on, its result included.
-  virtual std::uint64_t bytes(std::uint64_t own, std::uint64_t candidates) const = 0;
+  /// What a planned part holds in memory at most while it is worked on, its result included.
+  virtual std::uint64_t bytes(const PartPlan& plan) const = 0;
 
   /// Replaces `part.own` by the new positions on the result's lattice and completes `part.rows`.
   ///

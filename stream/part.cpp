@@ -24,6 +24,19 @@ void sort_by_key(std::vector<Index3>& points) {
     std::sort(points.begin(), points.end(), before);
 }
 
+/// How many points lie within reach of any one own point, at most: by blocks.
+std::uint64_t largest_ball(const Lattice& lattice, const PartPlan& plan) {
+  const double reach_sq = plan.range.reach * plan.range.reach;
+  std::uint64_t largest = 0;
+  for (const BlockInfo& own : plan.own) {
+    std::uint64_t points = 0;
+    for (const BlockRef& near : plan.near)
+      if (distance_sq(lattice, near.block.box, own.box) <= reach_sq) points += near.block.count;
+    largest = std::max(largest, points);
+  }
+  return largest;
+}
+
 }  // namespace
 
 PartLoader::PartLoader(const Store& source, std::size_t row_size)
@@ -51,6 +64,7 @@ Result<PartPlan> PartLoader::plan(const PartRange& range) const {
       plan.near.push_back({tile, std::move(block)});
     }
   }
+  plan.ball_points = largest_ball(lattice, plan);
   return plan;
 }
 

@@ -38,6 +38,7 @@ struct PartPlan {
   std::vector<BlockRef> near;  ///< all blocks within reach of the box, own ones among them
   std::uint64_t own_points = 0;
   std::uint64_t near_points = 0;  ///< at most so many candidates
+  std::uint64_t ball_points = 0;  ///< at most so many within reach of one point
 };
 
 /// A part in memory, on its way through an operator.

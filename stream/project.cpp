@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kChunkPoints = 256;  ///< what one task computes
 constexpr int kMostRefinement = 256;
+/// Three offsets of a neighbour, in arrays that double as they grow.
+constexpr std::uint64_t kBytesPerNeighbour = 48;
 /// A cell grid wants some width, also where no point looks around.
 constexpr double kSmallestReach = std::numeric_limits<double>::min();
 
@@ -90,12 +92,14 @@ double ProjectOperator::first_reach() const {
   return std::min(largest_reach(), 1.5 * reach(support_at(parameters_.first_guess)));
 }
 
-std::uint64_t ProjectOperator::bytes(std::uint64_t own, std::uint64_t candidates) const {
+std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
   const std::uint64_t row = bytes_per_row();
   const std::uint64_t encoded = row + sizeof(Index3) + row / 64 + 1;
   const std::uint64_t supports = parameters_.nearest ? sizeof(Support) : 0;
-  return own * (sizeof(Index3) + row + encoded + supports) + candidates * sizeof(Index3) +
-         CellGrid::bytes_for(candidates);
+  const std::uint64_t balls = static_cast<std::uint64_t>(thread_count()) * plan.ball_points;
+  return plan.own_points * (sizeof(Index3) + row + encoded + supports) +
+         plan.near_points * sizeof(Index3) + CellGrid::bytes_for(plan.near_points) +
+         balls * kBytesPerNeighbour;
 }
 
 std::optional<double> ProjectOperator::prepare(Part& part) const {
@@ -131,19 +135,10 @@ std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& 
       parameters_.nearest ? reach(support_at(parameters_.first_guess)) : reach(parameters_.support);
   const CellGrid grid(source_lattice_, part.candidates, std::max(usual, kSmallestReach));
   parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    Offsets neighbours;
+    Evaluation evaluation;
     for (std::size_t c = begin; c < end && !monitor.stopping(); ++c) {
       for (std::size_t i = chunks[c].first; i < chunks[c].first + chunks[c].count; ++i) {
-        const Support support = parameters_.nearest ? part.supports[i] : parameters_.support;
-        Projection projection;
-        if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()])) {
-          projection.status = Status::kExcluded;
-        } else if (support.radius <= 0) {
-          projection.status = parameters_.nearest ? Status::kIsolated : Status::kTooFew;
-        } else {
-          grid.gather({part.own[i], {}}, reach(support), neighbours);
-          projection = project_levin(neighbours, support, parameters_.degree);
-        }
+        Projection projection = evaluate(part, i, grid, evaluation);
         place(projection, part, i);
         statistics[c].add(projection);
       }
@@ -155,6 +150,26 @@ std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& 
   std::vector<std::vector<std::byte>> notes;
   for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
   return notes;
+}
+
+Projection ProjectOperator::evaluate(const Part& part, std::size_t i, const CellGrid& grid,
+                                     Evaluation& last) const {
+  Projection projection;
+  const Support support = parameters_.nearest ? part.supports[i] : parameters_.support;
+  if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()])) {
+    projection.status = Status::kExcluded;
+  } else if (support.radius <= 0) {
+    projection.status = parameters_.nearest ? Status::kIsolated : Status::kTooFew;
+  } else if (last.position == part.own[i]) {
+    projection = last.projection;  // many points at one place are one question
+  } else {
+    const double width = std::min(reach(support), parameters_.buffer.value_or(HUGE_VAL));
+    grid.gather({part.own[i], {}}, width, last.neighbours);
+    projection = project_levin(last.neighbours, support, parameters_.degree);
+    last.position = part.own[i];
+    last.projection = projection;
+  }
+  return projection;
 }
 
 void ProjectOperator::place(Projection& projection, Part& part, std::size_t i) const {

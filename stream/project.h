@@ -37,7 +37,7 @@ class ProjectOperator : public Operator {
   const StoreHeader& result_header() const override { return header_; }
   double first_reach() const override;
   std::optional<double> prepare(Part& part) const override;
-  std::uint64_t bytes(std::uint64_t own, std::uint64_t candidates) const override;
+  std::uint64_t bytes(const PartPlan& plan) const override;
   std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
   void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
 
@@ -49,6 +49,14 @@ class ProjectOperator : public Operator {
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
   std::size_t bytes_per_row() const { return header_.schema.row_size(); }
+  /// What the last point gave, for the next; and room for its neighbours.
+  struct Evaluation {
+    std::optional<Index3> position;
+    Projection projection;
+    Offsets neighbours;
+  };
+  Projection evaluate(const Part& part, std::size_t i, const CellGrid& grid,
+                      Evaluation& last) const;
   /// Writes the outcome of own point i: place, outputs. The status may change to not representable.
   void place(Projection& projection, Part& part, std::size_t i) const;
   bool representable(const Index3& index) const;

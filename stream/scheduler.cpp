@@ -74,7 +74,7 @@ Result<std::optional<PartPlan>> next_plan(const PartLoader& loader, const Operat
                                           PartQueue& queue, const MemoryBudget& budget) {
   while (const std::optional<PartRange> range = queue.pop()) {
     PSS_ASSIGN(PartPlan plan, loader.plan(*range));
-    const std::uint64_t bytes = op.bytes(plan.own_points, plan.near_points);
+    const std::uint64_t bytes = op.bytes(plan);
     if (bytes > budget.total() / 2 && range->block_count > 1) {
       queue.push_halves(*range);
       continue;
@@ -135,8 +135,7 @@ class Pipeline {
 
   Result<void> try_load(Fetched& fetched) {
     const PartPlan& plan = *fetched.plan;
-    std::optional<Reservation> memory =
-        budget_.reserve(op_.bytes(plan.own_points, plan.near_points));
+    std::optional<Reservation> memory = budget_.reserve(op_.bytes(plan));
     if (!memory) return {};
     PSS_ASSIGN(fetched.part, loader_.load(plan));
     fetched.part->memory = std::move(*memory);
@@ -251,7 +250,7 @@ Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& 
     ++estimate.parts;
     estimate.own_points += plan->own_points;
     estimate.halo_points += plan->near_points - std::min(plan->near_points, plan->own_points);
-    largest = std::max(largest, op.bytes(plan->own_points, plan->near_points));
+    largest = std::max(largest, op.bytes(*plan));
   }
   estimate.peak_bytes = 2 * largest;
   return estimate;

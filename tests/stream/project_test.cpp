@@ -135,8 +135,9 @@ TEST(Project, GivesTheSameRowsHoweverTilesAndPartsAreCut) {
 
     const Store tiles = store_of(cloud, folder / "tiles.pss", {1, 100, 2000, 2001, 5000, 6999});
     expect_equal(project(tiles, parameters, folder / "r.pss"), expected);
-    // 1 MiB holds one of the two blocks of the whole tile at once.
-    expect_equal(project(whole, parameters, folder / "r.pss", limit_leaving(kMiB)), expected);
+    // 1.5 MiB hold one of the two blocks of the whole tile at once.
+    expect_equal(project(whole, parameters, folder / "r.pss", limit_leaving(3 * kMiB / 2)),
+                 expected);
     for (const int threads : {1, 2, 3}) {
       const ThreadLimit limit(threads);
       expect_equal(project(tiles, parameters, folder / "r.pss"), expected);
