@@ -48,6 +48,11 @@ std::optional<std::uint64_t> as_whole(double value) {
 
 Result<std::string> parse_text(std::string_view text) { return std::string(text); }
 
+Result<std::string> parse_output(std::string_view text) {
+  while (text.size() > 1 && text.ends_with('/')) text.remove_suffix(1);
+  return std::string(text);
+}
+
 Result<double> parse_number(std::string_view text) {
   std::string_view rest = text;
   std::optional<double> value = take_number(rest);

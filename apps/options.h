@@ -14,6 +14,8 @@ namespace pss {
 
 /// The text itself.
 Result<std::string> parse_text(std::string_view text);
+/// The name of an output: the text without '/' at its end.
+Result<std::string> parse_output(std::string_view text);
 /// A finite number: "0.5", "1e-3".
 Result<double> parse_number(std::string_view text);
 /// A number above zero.

@@ -36,7 +36,7 @@ class Smooth : public Command {
     arguments.option("-o,--output", "OUTPUT",
                      "A file (the extension says the format), or NAME.pss to keep the store "
                      "(required)",
-                     job_.output, parse_text);
+                     job_.output, parse_output);
     arguments.required();
     declare_surface(arguments);
     declare_how(arguments);

@@ -13,7 +13,6 @@
 #include "stream/fingerprint.h"
 #include "stream/ingest.h"
 #include "stream/job.h"
-#include "stream/smooth_job.h"
 
 namespace pss {
 
@@ -26,8 +25,13 @@ struct TileJob {
   IngestOptions ingest;
   JobOptions directory;
 
-  std::string work_dir() const {
-    return directory.work_dir.empty() ? output + ".work" : directory.work_dir;
+  JobPlaces places() const {
+    return {inputs,
+            output,
+            directory.work_dir.empty() ? output + ".work" : directory.work_dir,
+            directory.overwrite,
+            directory.restart,
+            directory.keep_work};
   }
 };
 
@@ -43,43 +47,11 @@ Result<JobRecord> record_of(const TileJob& job) {
   return record;
 }
 
-/// Whether the job is complete already; otherwise its work directory is ready to work in.
-Result<bool> enter(const TileJob& job, const WorkDirectory& work, JobRecord& record) {
-  if (job.directory.restart) PSS_TRY(work.clear());
-  PSS_ASSIGN(std::optional<JobRecord> before, work.read_record());
-  if (before && check_same_job(*before, record, work.path()) &&
-      wrote(*before, manifest_path(job.output)))
-    return true;
-  if (exists(job.output) && !job.directory.overwrite)
-    return Error{Fault::kFailed,
-                 fmt::format("{}: exists; use --overwrite to replace it", job.output)};
-  if (before && before->complete) {  // its output is gone, or is to be replaced
-    PSS_TRY(work.clear());
-    before.reset();
-  }
-  if (before) PSS_TRY(check_same_job(*before, record, work.path()));
-  PSS_TRY(work.write_record(record));
-  return false;
-}
-
-/// Gives the finished store its name, and leaves the record that tells the same command so.
-Result<void> leave(const TileJob& job, const WorkDirectory& work, JobRecord& record) {
-  // Recorded first: a job stopped after the rename knows its output again.
-  PSS_ASSIGN(record.result, fingerprint(manifest_path(work.input_store())));
-  PSS_TRY(work.write_record(record));
-  if (job.directory.overwrite) PSS_TRY(remove_store(job.output));
-  PSS_TRY(rename_file(work.input_store(), job.output));
-  record.complete = true;
-  PSS_ASSIGN(record.result, fingerprint(manifest_path(job.output)));
-  PSS_TRY(work.write_record(record));
-  return job.directory.keep_work ? Result<void>() : work.remove_data();
-}
-
 class Tile : public Command {
  public:
   void declare(Arguments& arguments) override {
     arguments.positionals("INPUT", "Files, directories, globs, @list.txt", inputs_);
-    arguments.option("-o,--output", "NAME.pss", "The store (required)", job_.output, parse_text);
+    arguments.option("-o,--output", "NAME.pss", "The store (required)", job_.output, parse_output);
     arguments.required();
     arguments.option("--scale", "S|X,Y,Z",
                      "Step of the common lattice, for inputs that fit none "
@@ -96,7 +68,7 @@ class Tile : public Command {
         "instead of files. Interrupted or killed, the same command goes on where it stopped.\n\n"
         "Examples:\n"
         "  pss tile scans/*.las -o scans.pss --memory-limit 2G\n"
-        "  pss tile @list.txt -o all.pss --work-dir /fast/disk/work");
+        "  pss tile @list.txt -o all.pss --work-dir tmp/work");
   }
 
   Result<void> run() override {
@@ -110,26 +82,29 @@ class Tile : public Command {
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
-    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(job_.work_dir()));
+    const JobPlaces places = job_.places();
+    PSS_TRY(check_places(places));
+    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places.work_dir));
     PSS_ASSIGN(JobRecord record, record_of(job_));
-    PSS_ASSIGN(const bool complete, enter(job_, work, record));
-    if (complete) {
+    PSS_ASSIGN(const Entry entry, enter_job(places, work, record));
+    if (entry == Entry::kComplete) {
       progress.note(job_.output + ": already complete");
       return {};
     }
-    return build(work, record, budget, progress);
+    return build(places, work, record, budget, progress);
   }
 
   bool resumable() const override { return true; }
 
  private:
-  Result<void> build(const WorkDirectory& work, JobRecord& record, MemoryBudget& budget,
-                     Progress& progress) {
+  Result<void> build(const JobPlaces& places, const WorkDirectory& work, JobRecord& record,
+                     MemoryBudget& budget, Progress& progress) {
     PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, job_.ingest, progress));
     for (const std::string& note : plan.notes) progress.note(note);
     PSS_ASSIGN(const IngestSummary summary,
                ingest(plan, work.input_store(), work.path(), job_.ingest, budget, progress));
-    PSS_TRY(leave(job_, work, record));
+    PSS_TRY(hand_over_store(work.input_store(), places, work, record));
+    PSS_TRY(leave_job(places, work, record));
     tell(summary, budget, progress);
     return reports_.write(to_json(summary));
   }

@@ -177,9 +177,26 @@ bool exists(const std::string& path) {
   return ::lstat(path.c_str(), &status) == 0;  // a link that leads nowhere is there, too
 }
 
-Result<std::uint64_t> free_space(const std::string& path) {
+namespace {
+
+/// The longest part of a path that exists.
+std::string existing_part(const std::string& path) {
   std::string place = path;
   while (!exists(place) && place != directory_of(place)) place = directory_of(place);
+  return place;
+}
+
+}  // namespace
+
+bool same_disk(const std::string& a, const std::string& b) {
+  struct stat first {};
+  struct stat second {};
+  return ::stat(existing_part(a).c_str(), &first) == 0 &&
+         ::stat(existing_part(b).c_str(), &second) == 0 && first.st_dev == second.st_dev;
+}
+
+Result<std::uint64_t> free_space(const std::string& path) {
+  const std::string place = existing_part(path);
   struct statvfs status {};
   if (::statvfs(place.c_str(), &status) != 0) return failure("find the free space", place, errno);
   return std::uint64_t{status.f_bavail} * status.f_frsize;

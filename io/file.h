@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,6 +56,8 @@ Result<void> make_directories(const std::string& path);
 Result<void> remove_all(const std::string& path);
 bool exists(const std::string& path);
 Result<std::uint64_t> free_space(const std::string& path);
+/// Whether two paths, or what of them exists, lie on one file system.
+bool same_disk(const std::string& a, const std::string& b);
 
 /// The directory part of a path, "." where there is none.
 std::string directory_of(const std::string& path);
@@ -64,13 +67,19 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
 /// Writes a whole small file: a new one beside it, synced, then renamed over it.
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes);
 
+/// What happens between a file's last sync and its renaming; its failure keeps the name away.
+using BeforeRename = std::function<Result<void>(const std::string& part)>;
+
 /// Writes a file front to back through a buffer of 1 MiB, as NAME.part until finish() renames it.
 ///
 /// Unless finished, NAME.part is removed when this goes.
 /// Errors: kFailed where NAME exists and `overwrite` is false, by create() and again by finish().
 class OutputFile {
  public:
-  static Result<OutputFile> create(const std::string& path, bool overwrite);
+  /// `before_rename` is called with the name of the complete, synced file just before it gets
+  /// its own: a job can note what is about to appear there.
+  static Result<OutputFile> create(const std::string& path, bool overwrite,
+                                   BeforeRename before_rename = {});
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
@@ -85,10 +94,11 @@ class OutputFile {
   Result<void> finish();
 
  private:
-  OutputFile(File file, std::string path, bool overwrite);
+  OutputFile(File file, std::string path, bool overwrite, BeforeRename before_rename);
   Result<void> flush();
   std::string path_;
   bool overwrite_ = false;
+  BeforeRename before_rename_;
   File file_;
   std::vector<std::byte> buffer_;
   std::uint64_t position_ = 0;

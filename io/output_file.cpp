@@ -42,14 +42,18 @@ Result<void> rename_to_free_name(const std::string& from, const std::string& to)
 
 }  // namespace
 
-OutputFile::OutputFile(File file, std::string path, bool overwrite)
-    : path_(std::move(path)), overwrite_(overwrite), file_(std::move(file)) {
+OutputFile::OutputFile(File file, std::string path, bool overwrite, BeforeRename before_rename)
+    : path_(std::move(path)),
+      overwrite_(overwrite),
+      before_rename_(std::move(before_rename)),
+      file_(std::move(file)) {
   buffer_.reserve(kBufferSize);
 }
 
 OutputFile::OutputFile(OutputFile&& other) noexcept
     : path_(std::move(other.path_)),
       overwrite_(other.overwrite_),
+      before_rename_(std::move(other.before_rename_)),
       file_(std::move(other.file_)),
       buffer_(std::move(other.buffer_)),
       position_(other.position_),
@@ -59,12 +63,13 @@ OutputFile::~OutputFile() {
   if (!finished_) ::unlink(file_.path().c_str());
 }
 
-Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite) {
+Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite,
+                                      BeforeRename before_rename) {
   if (is_directory(path))
     return Error{Fault::kFailed, fmt::format("{}: is a directory; name a file in it", path)};
   if (!overwrite && exists(path)) return exists_already(path);
   PSS_ASSIGN(File file, File::create(part_of(path)));
-  return OutputFile(std::move(file), path, overwrite);
+  return OutputFile(std::move(file), path, overwrite, std::move(before_rename));
 }
 
 Result<void> OutputFile::append(std::span<const std::byte> bytes) {
@@ -97,6 +102,7 @@ Result<void> OutputFile::flush() {
 Result<void> OutputFile::finish() {
   PSS_TRY(flush());
   PSS_TRY(file_.sync());
+  if (before_rename_) PSS_TRY(before_rename_(file_.path()));
   PSS_TRY(overwrite_ ? rename_file(file_.path(), path_) : rename_to_free_name(file_.path(), path_));
   finished_ = true;
   return {};

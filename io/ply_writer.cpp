@@ -177,7 +177,7 @@ Result<void> PlyWriter::finish() {
 
 Result<std::unique_ptr<Writer>> create_ply(const std::string& path, const WriteOptions& options) {
   PSS_ASSIGN(PlyPlan plan, plan_ply(path, options));
-  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite));
+  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite, options.before_rename));
   auto writer = std::make_unique<PlyWriter>(std::move(output), std::move(plan), options);
   PSS_TRY(writer->start());
   return std::unique_ptr<Writer>(std::move(writer));

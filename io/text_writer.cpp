@@ -127,7 +127,7 @@ Result<void> TextWriter::finish() {
 
 Result<std::unique_ptr<Writer>> create_text(const std::string& path, const WriteOptions& options) {
   PSS_ASSIGN(TextPlan plan, plan_text(path, options));
-  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite));
+  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite, options.before_rename));
   auto writer = std::make_unique<TextWriter>(std::move(output), std::move(plan), options);
   PSS_TRY(writer->start());
   return std::unique_ptr<Writer>(std::move(writer));

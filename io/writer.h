@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "io/file.h"
 #include "io/points.h"
 
 namespace pss {
@@ -25,7 +26,8 @@ struct WriteOptions {
   /// The points to come are those of the carried header's file, all and in order: what its header
   /// says of them (bounds, counts) stays as it is.
   bool same_points = false;
-  bool overwrite = false;  ///< whether a file of this name may be replaced at the end
+  bool overwrite = false;           ///< whether a file of this name may be replaced at the end
+  BeforeRename before_rename = {};  ///< called when the file is whole, before it gets its name
 };
 
 class Writer {

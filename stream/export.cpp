@@ -58,6 +58,7 @@ WriteOptions write_options(const Store& store, Format format, const ExportOption
   write.carry = header.carry;
   write.bounds = world_bounds(header.lattice, bounds_of(store));
   write.overwrite = options.overwrite;
+  write.before_rename = options.before_rename;
   // Positions that came as floating point are known to half a step of their lattice.
   if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
   const auto grid = export_grid(header, bounds_of(store), 0, format, options);
@@ -107,6 +108,11 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
                              store.path())};
   const auto memory =
       budget.reserve(4 * kBlockPoints * (64 + 2 * store.header().schema.row_size()));
+  if (!memory)
+    return Error{
+        Fault::kMemoryLimit,
+        fmt::format("{}: blocks of rows of {} bytes do not fit; use a larger --memory-limit",
+                    store.path(), store.header().schema.row_size())};
   PSS_ASSIGN(const Format format, format_for(output));
   PSS_ASSIGN(const std::unique_ptr<Writer> writer,
              create_writer(output, write_options(store, format, options)));

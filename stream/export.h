@@ -8,6 +8,7 @@
 
 #include "core/monitor.h"
 #include "core/result.h"
+#include "io/file.h"
 #include "stream/memory.h"
 #include "stream/store.h"
 
@@ -18,6 +19,7 @@ struct ExportOptions {
   bool scale_auto = false;       ///< LAS: the finest scale that holds the bounds
   std::optional<World3> offset;  ///< LAS
   bool overwrite = false;
+  BeforeRename before_rename = {};  ///< called when the file is whole, before it gets its name
 };
 
 struct ExportSummary {

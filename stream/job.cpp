@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "stream/fingerprint.h"
+#include "stream/store_writer.h"
 
 namespace pss {
 namespace {
@@ -38,7 +41,7 @@ std::string to_text(const JobRecord& record) {
             {"inputs", inputs},
             {"complete", record.complete}};
   if (record.result) j["result"] = to_json(*record.result);
-  return j.dump(1) + "\n";
+  return j.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
 JobRecord record_from(const json& j) {
@@ -57,6 +60,33 @@ Error other_job(const std::string& work_dir, const std::string& difference) {
           fmt::format("{}: holds another job: {}; use --restart to discard it, or another "
                       "--work-dir",
                       work_dir, difference)};
+}
+
+/// The file by which an output is known again: itself, or a store's manifest.
+std::string witness_of(const std::string& output) {
+  return is_store_name(output) ? manifest_path(output) : output;
+}
+
+bool lies_in(const std::string& path, const std::string& folder) {
+  std::error_code error;
+  const auto whole = std::filesystem::weakly_canonical(path, error);
+  const auto outer = std::filesystem::weakly_canonical(folder, error);
+  return std::mismatch(outer.begin(), outer.end(), whole.begin(), whole.end()).first == outer.end();
+}
+
+/// Refuses a directory without a job's record that holds anything else.
+Result<void> check_work_directory(const std::string& path) {
+  if (exists(record_path(path))) return {};
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
+    const std::string name = entry.path().filename().string();
+    if (name != "lock" && name != "job.json.part")
+      return Error{Fault::kFailed,
+                   fmt::format("{}: found {}, expected an empty or new work directory; use another "
+                               "--work-dir",
+                               path, name)};
+  }
+  return {};
 }
 
 }  // namespace
@@ -133,6 +163,63 @@ Result<void> WorkDirectory::clear() const {
 
 std::optional<std::string> job_holder(const std::string& work_dir) {
   return lock_holder(work_dir + "/lock");
+}
+
+Result<void> check_places(const JobPlaces& places) {
+  for (const std::string& input : places.inputs)
+    if (lies_in(input, places.work_dir))
+      return Error{Fault::kUsage, fmt::format("{}: lies in the work directory {}; use another "
+                                              "--work-dir",
+                                              input, places.work_dir)};
+  if (lies_in(places.output, places.work_dir))
+    return Error{Fault::kUsage,
+                 fmt::format("{}: the output lies in the work directory {}; use another --work-dir",
+                             places.output, places.work_dir)};
+  if (is_store_name(places.output) && !same_disk(places.work_dir, directory_of(places.output)))
+    return Error{
+        Fault::kUsage,
+        fmt::format("--work-dir {}: lies on another disk than {}, which a store is renamed "
+                    "to; use one on the same disk",
+                    places.work_dir, places.output)};
+  return check_work_directory(places.work_dir);
+}
+
+Result<Entry> enter_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record) {
+  PSS_ASSIGN(std::optional<JobRecord> before, work.read_record());
+  const bool known = before && wrote(*before, witness_of(places.output));
+  if (known && !places.restart && check_same_job(*before, record, work.path())) {
+    PSS_TRY(leave_job(places, work, record));
+    return Entry::kComplete;
+  }
+  if (exists(places.output) && !places.overwrite)
+    return Error{Fault::kFailed,
+                 fmt::format("{}: exists; use --overwrite to replace it", places.output)};
+  // A complete job here has lost its output, or is to be done again.
+  if (places.restart || (before && before->complete)) {
+    PSS_TRY(work.clear());
+    before.reset();
+  }
+  if (before) PSS_TRY(check_same_job(*before, record, work.path()));
+  PSS_TRY(work.write_record(record));
+  return before ? Entry::kResumed : Entry::kNew;
+}
+
+Result<void> record_result(const WorkDirectory& work, JobRecord& record, const std::string& file) {
+  PSS_ASSIGN(record.result, fingerprint(file));
+  return work.write_record(record);
+}
+
+Result<void> hand_over_store(const std::string& store, const JobPlaces& places,
+                             const WorkDirectory& work, JobRecord& record) {
+  PSS_TRY(record_result(work, record, manifest_path(store)));
+  if (places.overwrite) PSS_TRY(remove_store(places.output));
+  return rename_file(store, places.output);
+}
+
+Result<void> leave_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record) {
+  record.complete = true;
+  PSS_TRY(record_result(work, record, witness_of(places.output)));
+  return places.keep_work ? Result<void>() : work.remove_data();
 }
 
 }  // namespace pss

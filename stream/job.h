@@ -57,6 +57,41 @@ class WorkDirectory {
   FileLock lock_;
 };
 
+/// Where a job reads, works and writes, and what it may do to what is there.
+struct JobPlaces {
+  std::vector<std::string> inputs;
+  std::string output;
+  std::string work_dir;
+  bool overwrite = false;
+  bool restart = false;
+  bool keep_work = false;
+};
+
+/// Refuses places that would endanger each other, before anything is made: an output or an input
+/// within the work directory, a work directory that holds somebody's files, a store's output on
+/// another disk than the work directory, from where it could not be renamed.
+///
+/// Errors: kUsage; kFailed for a work directory that is none.
+Result<void> check_places(const JobPlaces& places);
+
+enum class Entry { kNew, kResumed, kComplete };
+
+/// Finds out whether a job is new, to be resumed, complete, or another one; leaves its record.
+///
+/// Errors: kFailed where OUTPUT exists and is not this job's, or the directory holds another job.
+Result<Entry> enter_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record);
+
+/// Records a complete result, before it is renamed to OUTPUT: stopped in between, the job knows
+/// its output again.
+Result<void> record_result(const WorkDirectory& work, JobRecord& record, const std::string& file);
+
+/// Gives a finished store in the work directory the name OUTPUT.
+Result<void> hand_over_store(const std::string& store, const JobPlaces& places,
+                             const WorkDirectory& work, JobRecord& record);
+
+/// Leaves the record that tells the same command that all is done, and little else.
+Result<void> leave_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record);
+
 /// The record in a work directory, without locking it.
 Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir);
 /// Who holds the lock of a work directory now: "process 123 on host".

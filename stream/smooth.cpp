@@ -7,7 +7,6 @@
 
 #include "core/parallel.h"
 #include "io/writer.h"
-#include "stream/fingerprint.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_json.h"
 #include "stream/stopwatch.h"
@@ -19,17 +18,18 @@ namespace {
 class SmoothRun {
  public:
   SmoothRun(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor)
-      : job_(job), budget_(budget), monitor_(monitor) {}
+      : job_(job), places_(places_of(job)), budget_(budget), monitor_(monitor) {}
 
   Result<SmoothReport> run() {
     const Stopwatch total;
     PSS_TRY(check_job(job_));
-    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(work_directory_of(job_)));
+    PSS_TRY(check_places(places_));
+    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places_.work_dir));
     PSS_TRY(enter(work));
     if (!report_.already_complete) {
       if (!is_complete_store(work.result_store())) PSS_TRY(compute(work));
       PSS_TRY(write(work));
-      PSS_TRY(leave(work));
+      PSS_TRY(leave_job(places_, work, record_));
     }
     report_.total_seconds = total.seconds();
     describe_run();
@@ -45,39 +45,23 @@ class SmoothRun {
   Result<void> check_space(const Store& source, const ProjectOperator& op,
                            const WorkDirectory& work) const;
   Result<void> write(const WorkDirectory& work);
-  Result<void> leave(const WorkDirectory& work);
   void note_if_few_moved();
   void describe_run();
 
   const SmoothJob& job_;
+  JobPlaces places_;
   MemoryBudget& budget_;
   Monitor& monitor_;
   JobRecord record_;
   SmoothReport report_;
 };
 
-/// Finds out whether the job is new, to be resumed, complete, or another one.
 Result<void> SmoothRun::enter(const WorkDirectory& work) {
-  const SmoothOptions& options = job_.options;
   PSS_ASSIGN(record_, job_record(job_));
-  if (options.restart) PSS_TRY(work.clear());
-  PSS_ASSIGN(std::optional<JobRecord> before, work.read_record());
-  if (before && check_same_job(*before, record_, work.path()) && wrote(*before, witness_of(job_))) {
-    report_.already_complete = true;
-    return leave(work);
-  }
-  // An unfinished job whose result is complete may have been stopped just after the last rename.
-  const bool own_output = before && !before->complete && is_complete_store(work.result_store());
-  if (exists(job_.output) && !options.overwrite && !own_output)
-    return Error{Fault::kFailed,
-                 fmt::format("{}: exists; use --overwrite to replace it", job_.output)};
-  if (before && before->complete) {  // its output is gone, or is to be replaced
-    PSS_TRY(work.clear());
-    before.reset();
-  }
-  if (before) PSS_TRY(check_same_job(*before, record_, work.path()));
-  report_.resumed = before.has_value();
-  return work.write_record(record_);
+  PSS_ASSIGN(const Entry entry, enter_job(places_, work, record_));
+  report_.already_complete = entry == Entry::kComplete;
+  report_.resumed = entry == Entry::kResumed;
+  return {};
 }
 
 Result<void> SmoothRun::compute(const WorkDirectory& work) {
@@ -138,6 +122,7 @@ Result<void> SmoothRun::project(const Store& source, const ChosenWidths& widths,
   PSS_ASSIGN(StoreWriter result, is_store(work.result_store())
                                      ? StoreWriter::resume(work.result_store(), header)
                                      : StoreWriter::create(work.result_store(), header));
+  if (result.complete()) return {};  // stopped while it was finished: resuming has ended that
   monitor_.begin("smooth", source.points(), source.tiles().size());
   for (const TileInfo& tile : result.tiles()) monitor_.advance(tile.count, 1);
   PSS_ASSIGN(report_.schedule, run_operator(source, op, result, budget_, monitor_));
@@ -181,27 +166,19 @@ Result<void> SmoothRun::write(const WorkDirectory& work) {
   note_if_few_moved();
   if (is_store_name(job_.output)) {
     result.reset();
-    // Recorded first: a job stopped after the rename knows its output again.
-    PSS_ASSIGN(record_.result, fingerprint(manifest_path(work.result_store())));
-    PSS_TRY(work.write_record(record_));
-    if (job_.options.overwrite) PSS_TRY(remove_store(job_.output));
-    PSS_TRY(rename_file(work.result_store(), job_.output));
+    PSS_TRY(hand_over_store(work.result_store(), places_, work, record_));
   } else {
+    ExportOptions options = export_options(job_);
+    options.before_rename = [&](const std::string& part) {
+      return record_result(work, record_, part);
+    };
     PSS_ASSIGN(const ExportSummary written,
-               export_store(*result, job_.output, export_options(job_), budget_, monitor_));
+               export_store(*result, job_.output, options, budget_, monitor_));
     report_.notes.insert(report_.notes.end(), written.notes.begin(), written.notes.end());
     if (written.grid) report_.rounding_step = *std::ranges::max_element(written.grid->scale);
   }
   report_.write_seconds = watch.seconds();
   return {};
-}
-
-/// Leaves the record that tells the same command that all is done.
-Result<void> SmoothRun::leave(const WorkDirectory& work) {
-  record_.complete = true;
-  PSS_ASSIGN(record_.result, fingerprint(witness_of(job_)));
-  PSS_TRY(work.write_record(record_));
-  return job_.options.keep_work ? Result<void>() : work.remove_data();
 }
 
 /// Widths that reach too few neighbours, or too many, leave most points where they are.
@@ -216,7 +193,7 @@ void SmoothRun::note_if_few_moved() {
 void SmoothRun::describe_run() {
   report_.inputs = job_.inputs;
   report_.output = job_.output;
-  report_.work_dir = work_directory_of(job_);
+  report_.work_dir = places_.work_dir;
   report_.points_in = report_.ingest.points_read;
   report_.peak_memory = peak_resident();
   report_.memory_limit = budget_.limit();

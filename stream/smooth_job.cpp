@@ -81,12 +81,6 @@ Result<void> check_job(const SmoothJob& job) {
   return {};
 }
 
-bool is_store_name(const std::string& path) {
-  std::string_view name = path;
-  while (name.ends_with('/')) name.remove_suffix(1);
-  return name.ends_with(".pss");
-}
-
 bool is_store_input(const SmoothJob& job) {
   return job.inputs.size() == 1 && is_store_name(job.inputs.front());
 }
@@ -94,15 +88,17 @@ bool is_store_input(const SmoothJob& job) {
 bool is_complete_store(const std::string& path) {
   if (!is_store(path)) return false;
   const Result<Store> store = Store::open(path);
-  return store && store->complete();
+  return store && store->complete() && exists(manifest_path(path));
 }
 
 std::string work_directory_of(const SmoothJob& job) {
   return job.options.work_dir.empty() ? job.output + ".work" : job.options.work_dir;
 }
 
-std::string witness_of(const SmoothJob& job) {
-  return is_store_name(job.output) ? manifest_path(job.output) : job.output;
+JobPlaces places_of(const SmoothJob& job) {
+  const SmoothOptions& options = job.options;
+  return {job.inputs,        job.output,      work_directory_of(job),
+          options.overwrite, options.restart, options.keep_work};
 }
 
 Result<JobRecord> job_record(const SmoothJob& job) {
@@ -120,7 +116,7 @@ Result<JobRecord> job_record(const SmoothJob& job) {
 
 ExportOptions export_options(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
-  return {options.scale, options.scale_auto, options.offset, true};
+  return {options.scale, options.scale_auto, options.offset, options.overwrite, {}};
 }
 
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,

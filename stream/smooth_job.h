@@ -14,16 +14,13 @@ namespace pss {
 /// Errors: kUsage for options that contradict each other or make no sense.
 Result<void> check_job(const SmoothJob& job);
 
-/// Whether a name asks for a store: it ends in ".pss".
-bool is_store_name(const std::string& path);
 /// Whether the job's input is a store.
 bool is_store_input(const SmoothJob& job);
 /// Whether a finished store lies there.
 bool is_complete_store(const std::string& path);
 
 std::string work_directory_of(const SmoothJob& job);
-/// The file by which the output is known again: itself, or a store's manifest.
-std::string witness_of(const SmoothJob& job);
+JobPlaces places_of(const SmoothJob& job);
 
 /// The record that the job's work directory gets. Errors: kFailed for inputs that cannot be read.
 Result<JobRecord> job_record(const SmoothJob& job);

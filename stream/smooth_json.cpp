@@ -86,7 +86,9 @@ std::string result_parameters(const SmoothJob& job, const ChosenWidths& widths) 
 }
 
 std::string result_summary(const SmoothReport& report) {
-  return ordered_json{{"ingest", ingest_json(report.ingest)},
+  IngestSummary ingest = report.ingest;
+  ingest.read_seconds = ingest.merge_seconds = 0;  // times are no part of what a run makes
+  return ordered_json{{"ingest", ingest_json(ingest)},
                       {"widths", widths_json(report.widths)},
                       {"notes", report.notes},
                       {"store_bytes", report.store_bytes}}
@@ -112,7 +114,7 @@ std::string to_json(const SmoothReport& report) {
                     {"work_dir", report.work_dir},
                     {"already_complete", report.already_complete},
                     {"resumed", report.resumed}};
-  if (report.already_complete) return j.dump(2);
+  if (report.already_complete) return j.dump(2, ' ', false, ordered_json::error_handler_t::replace);
   j["points"] = points_json(report);
   j["moved_to_lattice"] = {{"points", report.ingest.moved_to_lattice},
                            {"largest", report.ingest.largest_move}};
@@ -128,7 +130,7 @@ std::string to_json(const SmoothReport& report) {
   j["memory"] = {{"peak", report.peak_memory}, {"limit", report.memory_limit}};
   j["threads"] = report.threads;
   j["notes"] = report.notes;
-  return j.dump(2);
+  return j.dump(2, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 std::string to_json(const SmoothEstimate& estimate) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <optional>
 
 #include "stream/fingerprint.h"
 #include "tests/stream/store_fixture.h"
@@ -93,6 +94,86 @@ TEST(WorkDirectory, NamesADamagedRecord) {
 
   ASSERT_FALSE(record);
   EXPECT_NE(record.error().message.find("job.json"), std::string::npos);
+}
+
+TEST(Places, OfAJobMustNotEndangerEachOther) {
+  test::TemporaryDirectory folder;
+  std::ofstream(folder / "a.las") << "points";
+  const std::string work = folder / "w";
+
+  EXPECT_TRUE(check_places({{folder / "a.las"}, folder / "b.las", work}));
+  EXPECT_FALSE(check_places({{work + "/a.las"}, folder / "b.las", work}));
+  EXPECT_FALSE(check_places({{folder / "a.las"}, work + "/../w/b.las", work}));
+  EXPECT_FALSE(check_places({{folder / "a.las"}, folder / "b.las", folder.path().string()}));
+  EXPECT_TRUE(exists(folder / "a.las"));
+}
+
+TEST(Places, OfAStoreLieOnOneDisk) {
+  test::TemporaryDirectory folder;
+  if (same_disk(folder.path().string(), "/proc")) GTEST_SKIP() << "no second file system";
+
+  EXPECT_TRUE(check_places({{}, folder / "s.pss", folder / "w"}));
+  EXPECT_FALSE(check_places({{}, folder / "s.pss", "/proc/w"}));
+  EXPECT_TRUE(check_places({{}, folder / "s.las", "/proc/w"}));
+}
+
+class JobStages : public ::testing::Test {
+ protected:
+  JobStages() {
+    places_.output = folder_ / "out.las";
+    places_.work_dir = folder_ / "w";
+  }
+  Result<Entry> enter() {
+    JobRecord record = some_record();
+    return enter_job(places_, *work_, record);
+  }
+
+  test::TemporaryDirectory folder_;
+  JobPlaces places_;
+  std::optional<WorkDirectory> work_ = expect_value(WorkDirectory::open(folder_ / "w"));
+};
+
+TEST_F(JobStages, GoFromNewOverResumedToComplete) {
+  EXPECT_EQ(expect_value(enter()), Entry::kNew);
+  EXPECT_EQ(expect_value(enter()), Entry::kResumed);
+  std::ofstream(places_.output) << "result";
+  JobRecord record = some_record();
+  expect_ok(leave_job(places_, *work_, record));
+
+  EXPECT_EQ(expect_value(enter()), Entry::kComplete);
+}
+
+TEST_F(JobStages, KnowTheirOutputWhenStoppedJustAfterTheRename) {
+  ASSERT_EQ(expect_value(enter()), Entry::kNew);
+  std::ofstream(folder_ / "out.las.part") << "result";
+  JobRecord record = some_record();
+  expect_ok(record_result(*work_, record, folder_ / "out.las.part"));
+  expect_ok(rename_file(folder_ / "out.las.part", places_.output));
+
+  EXPECT_EQ(expect_value(enter()), Entry::kComplete);
+}
+
+TEST_F(JobStages, LeaveAFileAloneThatCameWhileTheyWorked) {
+  ASSERT_EQ(expect_value(enter()), Entry::kNew);
+  std::ofstream(places_.output) << "somebody's";
+
+  EXPECT_FALSE(enter());
+  places_.overwrite = true;
+  EXPECT_EQ(expect_value(enter()), Entry::kResumed);
+}
+
+TEST_F(JobStages, BeginAgainWhenTheOutputIsGoneAndOnRestart) {
+  ASSERT_EQ(expect_value(enter()), Entry::kNew);
+  std::ofstream(places_.output) << "result";
+  JobRecord record = some_record();
+  expect_ok(leave_job(places_, *work_, record));
+
+  places_.restart = true;
+  EXPECT_FALSE(enter()) << "the output is there";
+  places_.restart = false;
+  EXPECT_EQ(expect_value(enter()), Entry::kComplete) << "and the record with it";
+  expect_ok(remove_all(places_.output));
+  EXPECT_EQ(expect_value(enter()), Entry::kNew);
 }
 
 TEST(SameJob, NamesTheFirstDifference) {
