@@ -38,7 +38,7 @@ class Convert : public Command {
   }
 
   Result<void> run() override {
-    PSS_ASSIGN(const std::vector<std::string> files, expand_inputs(inputs_));
+    PSS_ASSIGN(const std::vector<std::string> files, expand_inputs(inputs_, output_));
     Progress progress(reports_.progress);
     PSS_ASSIGN(const ConvertSummary summary, convert(files, output_, options_, progress));
     for (const std::string& note : summary.notes) progress.note(note);

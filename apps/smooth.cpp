@@ -45,7 +45,7 @@ class Smooth : public Command {
 
   Result<void> run() override {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
-    PSS_ASSIGN(job_.inputs, expand_inputs(inputs_));
+    PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(reports_.check());
     take_options();
     ThreadLimit threads(limits_.threads);

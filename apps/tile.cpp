@@ -76,7 +76,7 @@ class Tile : public Command {
       return Error{Fault::kUsage,
                    fmt::format("--output: found '{}', expected NAME.pss", job_.output)};
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
-    PSS_ASSIGN(job_.inputs, expand_inputs(inputs_));
+    PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(check_output(job_.inputs, job_.output));
     PSS_TRY(reports_.check());
     ThreadLimit threads(limits_.threads);

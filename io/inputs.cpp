@@ -27,7 +27,19 @@ bool is_store(std::filesystem::path path) {
   return path.extension() == ".pss";
 }
 
-Result<void> add_directory(const std::string& path, Paths& out) {
+/// What the arguments mean so far.
+struct Expansion {
+  const std::string& output;
+  Paths paths;
+
+  /// Adds what was found rather than named: a result among its own inputs is no input.
+  void add_found(const std::string& path) {
+    std::error_code ignored;
+    if (!std::filesystem::equivalent(path, output, ignored)) paths.push_back(path);
+  }
+};
+
+Result<void> add_directory(const std::string& path, Expansion& out) {
   Paths found;
   std::error_code code;
   std::filesystem::directory_iterator entry(path, code);
@@ -41,7 +53,7 @@ Result<void> add_directory(const std::string& path, Paths& out) {
                  fmt::format("{}: cannot read the directory: {}", path, code.message())};
   if (found.empty()) return failed(path, "found no file to read in this directory");
   std::ranges::sort(found);
-  out.insert(out.end(), found.begin(), found.end());
+  for (const std::string& name : found) out.add_found(name);
   return {};
 }
 
@@ -51,7 +63,7 @@ struct GlobMatches {
   ~GlobMatches() { globfree(&matches); }
 };
 
-Result<void> add_matches(const std::string& pattern, Paths& out) {
+Result<void> add_matches(const std::string& pattern, Expansion& out) {
   GlobMatches found;
   const int outcome = ::glob(pattern.c_str(), GLOB_ERR, nullptr, &found.matches);
   if (outcome == GLOB_NOMATCH) return failed(pattern, "matches no file");
@@ -59,17 +71,17 @@ Result<void> add_matches(const std::string& pattern, Paths& out) {
   for (std::size_t i = 0; i < found.matches.gl_pathc; ++i) {
     const std::string path = found.matches.gl_pathv[i];
     std::error_code ignored;
-    if (!std::filesystem::is_directory(path, ignored) || is_store(path)) out.push_back(path);
+    if (!std::filesystem::is_directory(path, ignored) || is_store(path)) out.add_found(path);
   }
   return {};
 }
 
-Result<void> add_path(const std::string& path, Paths& out) {
+Result<void> add_path(const std::string& path, Expansion& out) {
   std::error_code code;
   const auto status = std::filesystem::status(path, code);
   if (std::filesystem::is_directory(status) && !is_store(path)) return add_directory(path, out);
   if (std::filesystem::exists(status)) {
-    out.push_back(path);
+    out.paths.push_back(path);
     return {};
   }
   if (path.find_first_of("*?[") != std::string::npos) return add_matches(path, out);
@@ -78,7 +90,7 @@ Result<void> add_path(const std::string& path, Paths& out) {
   return failed(path, "no such file or directory");
 }
 
-Result<void> add_list(const std::string& path, Paths& out) {
+Result<void> add_list(const std::string& path, Expansion& out) {
   PSS_ASSIGN(const std::vector<std::byte> bytes, read_whole(path, kLargestList));
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   while (!text.empty()) {
@@ -95,13 +107,14 @@ Result<void> add_list(const std::string& path, Paths& out) {
 
 }  // namespace
 
-Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments) {
-  Paths paths;
+Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
+                                               const std::string& output) {
+  Expansion expansion{output, {}};
   for (const std::string& argument : arguments)
-    PSS_TRY(argument.starts_with('@') ? add_list(argument.substr(1), paths)
-                                      : add_path(argument, paths));
-  if (paths.empty()) return Error{Fault::kFailed, "no input: the list of files is empty"};
-  return paths;
+    PSS_TRY(argument.starts_with('@') ? add_list(argument.substr(1), expansion)
+                                      : add_path(argument, expansion));
+  if (expansion.paths.empty()) return Error{Fault::kFailed, "no input: the list of files is empty"};
+  return std::move(expansion.paths);
 }
 
 Result<void> check_output(std::span<const std::string> inputs, const std::string& output) {

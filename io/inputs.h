@@ -14,9 +14,12 @@ namespace pss {
 ///   another directory: its files with extensions that open_reader() knows, by name;
 ///   a glob (*, ?, [...]) where no file has that very name: its matches, by name;
 ///   @LIST: a file with one argument a line; empty lines are skipped, lists in lists refused.
+/// `output` is left out of what directories and globs give: the same command finds the same inputs
+/// when its output has come to lie among them.
 ///
 /// Errors: kFailed naming what is missing or matches nothing.
-Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments);
+Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
+                                               const std::string& output = {});
 
 /// Refuses, before any work, an output that is one of the inputs or lies in a missing folder.
 ///

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -87,6 +88,20 @@ TEST_F(InputsTest, RefuseListsInListsAndEmptyLists) {
   EXPECT_NE(expand({"@list.txt"})[0].find("list in a list"), std::string::npos);
   write_text_file(directory_ / "list.txt", "\n\n");
   EXPECT_NE(expand({"@list.txt"})[0].find("no input"), std::string::npos);
+}
+
+TEST_F(InputsTest, LeaveTheOutputOutOfWhatIsFoundButNotOfWhatIsNamed) {
+  const std::string output = directory_ / "b.las";
+  const auto all = [&](const std::string& argument) {
+    const auto paths = expand_inputs(std::vector{directory_ / argument}, output);
+    return paths && std::ranges::any_of(*paths, [](const std::string& path) {
+             return std::filesystem::path(path).filename() == "b.las";
+           });
+  };
+
+  EXPECT_FALSE(all("."));
+  EXPECT_FALSE(all("*.las"));
+  EXPECT_TRUE(all("b.las"));
 }
 
 TEST_F(InputsTest, AreNeverAnOutputByAnyName) {
