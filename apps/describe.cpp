@@ -181,9 +181,11 @@ Json describe_job(const std::string& work_dir, const JobState& state) {
              {"kind", "job"},
              {"command", state.command},
              {"output", state.output},
-             {"stage", state.stage},
-             {"tiles_done", state.tiles_done},
-             {"tiles", state.tiles > 0 ? Json(state.tiles) : Json()}};
+             {"stage", state.stage}};
+  if (state.stage != "complete") {  // then the work is gone
+    facts["tiles_done"] = state.tiles_done;
+    facts["tiles"] = state.tiles > 0 ? Json(state.tiles) : Json();
+  }
   if (state.points > 0) facts["points"] = state.points;
   facts["running"] = state.holder ? Json(*state.holder) : Json("no");
   facts["inputs"] = state.inputs;
