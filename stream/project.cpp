@@ -96,7 +96,9 @@ std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
   const std::uint64_t row = bytes_per_row();
   const std::uint64_t encoded = row + sizeof(Index3) + row / 64 + 1;
   const std::uint64_t supports = parameters_.nearest ? sizeof(Support) : 0;
-  const std::uint64_t balls = static_cast<std::uint64_t>(thread_count()) * plan.ball_points;
+  const bool looks = largest_reach() > 0;  // where there is no spacing, nothing is evaluated
+  const std::uint64_t balls =
+      looks ? static_cast<std::uint64_t>(thread_count()) * plan.ball_points : 0;
   return plan.own_points * (sizeof(Index3) + row + encoded + supports) +
          plan.near_points * sizeof(Index3) + CellGrid::bytes_for(plan.near_points) +
          balls * kBytesPerNeighbour;
