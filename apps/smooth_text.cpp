@@ -71,7 +71,8 @@ std::string estimate_text(const SmoothEstimate& estimate) {
   line("disk", short_size(estimate.disk_bytes));
   line("time", short_time(estimate.seconds));
   if (estimate.from_store) line("widths", widths_text(estimate.widths));
-  line("known from", estimate.from_store ? "the store (whole blocks counted)" : "the headers (estimated)");
+  line("known from",
+       estimate.from_store ? "the store (whole blocks counted)" : "the headers (estimated)");
   return text;
 }
 
