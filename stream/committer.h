@@ -20,7 +20,6 @@ namespace pss {
 struct FinishedPart {
   Cell cell;
   bool last_of_tile = false;
-  std::uint64_t points = 0;
   std::vector<EncodedBlock> blocks;
   std::vector<std::vector<std::byte>> notes;  ///< one a block
   Reservation memory;                         ///< of `blocks`

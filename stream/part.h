@@ -64,7 +64,6 @@ class PartLoader {
   PartLoader(const Store& source, std::size_t row_size);
 
   const Store& source() const { return source_; }
-  const Exclusion& exclusion() const { return exclusion_; }
 
   Result<PartPlan> plan(const PartRange& range) const;
 

@@ -21,8 +21,7 @@ struct ProjectParameters {
   double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
   OutputSet outputs = 0;
   std::optional<Lattice> grid;   ///< the grid of the output file, whose int32 range limits places
-  std::optional<double> buffer;  ///< halo width by hand
-  bool allow_inexact = false;    ///< whether it may be smaller than exactness needs
+  std::optional<double> buffer;  ///< halo width by hand, also where exactness needs more
 };
 
 /// The lattice of a result: the source's, its step refined up to 256-fold as far as 42 bits and

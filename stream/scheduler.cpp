@@ -206,7 +206,6 @@ class Pipeline {
     const TileInfo& tile = source_.tiles()[part.range.tile];
     finished.cell = tile.cell;
     finished.last_of_tile = part.range.first_block + part.range.block_count == tile.blocks;
-    finished.points = part.own.size();
     ++summary_.parts;
     summary_.tiles += finished.last_of_tile ? 1 : 0;
     summary_.own_points += part.own.size();

@@ -130,7 +130,6 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
   parameters.first_guess = widths.typical;
   parameters.outputs = job.options.outputs;
   parameters.buffer = job.options.buffer;
-  parameters.allow_inexact = job.options.allow_inexact;
   if (!is_store_name(job.output)) {
     PSS_ASSIGN(const Format format, format_for(job.output));
     const double margin = std::max(widths.radius, widths.cap);
