@@ -10,10 +10,8 @@
 namespace pss {
 namespace {
 
-constexpr std::size_t kChunkPoints = 256;  ///< what one task computes
+constexpr std::size_t kChunkPoints = 1024;  ///< what one task computes
 constexpr int kMostRefinement = 256;
-/// Three offsets of a neighbour, in arrays that double as they grow.
-constexpr std::uint64_t kBytesPerNeighbour = 48;
 /// A cell grid wants some width, also where no point looks around.
 constexpr double kSmallestReach = std::numeric_limits<double>::min();
 
@@ -35,12 +33,31 @@ std::vector<Chunk> chunks_of(const Part& part) {
   return chunks;
 }
 
+/// One note a block, its chunks added up in row order whoever computed them.
+std::vector<std::vector<std::byte>> notes_of(const Part& part, const std::vector<Chunk>& chunks,
+                                             const std::vector<ProjectStatistics>& statistics) {
+  std::vector<ProjectStatistics> blocks(part.block_counts.size());
+  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
+  std::vector<std::vector<std::byte>> notes;
+  for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
+  return notes;
+}
+
 /// The largest step count that a move of `length` can take on any axis.
 double steps(const Lattice& lattice, double length) {
   return length / std::min({lattice.scale[0], lattice.scale[1], lattice.scale[2]});
 }
 
 }  // namespace
+
+Support narrowed(const Support& support, WeightKind weight, double width) {
+  if (reach(weight, support) <= width) return support;
+  const double beyond = reach(weight, support) - support.radius;
+  if (width - beyond >= support.h) return {support.h, width - beyond};
+  // The weight is at least as wide as its Gaussian: both shrink.
+  const double h = width / (weight == WeightKind::kPcl ? 1.0 : 1.5);
+  return {h, h};
+}
 
 Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double largest_move) {
   double extent = 0;
@@ -77,19 +94,27 @@ ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& p
 
 Support ProjectOperator::support_at(double distance) const {
   const double radius = parameters_.factor * distance;
-  return {radius / radius_factor(parameters_.degree), radius};
+  return {radius / radius_factor(parameters_.method.degree), radius};
+}
+
+double ProjectOperator::reach_of(const Support& support) const {
+  return reach(parameters_.method.weight, support);
 }
 
 double ProjectOperator::largest_reach() const {
-  if (!parameters_.nearest) return reach(parameters_.support);
-  return std::max(parameters_.cap, reach(support_at(parameters_.cap)));
+  if (!parameters_.nearest) return reach_of(parameters_.support);
+  return std::max(parameters_.cap, reach_of(support_at(parameters_.cap)));
+}
+
+double ProjectOperator::usual_reach() const {
+  return parameters_.nearest ? reach_of(support_at(parameters_.first_guess)) : largest_reach();
 }
 
 double ProjectOperator::first_reach() const {
   if (parameters_.buffer) return *parameters_.buffer;
   if (!parameters_.nearest) return largest_reach();
   // Half more than the typical query needs: most parts are certified at the first loading.
-  return std::min(largest_reach(), 1.5 * reach(support_at(parameters_.first_guess)));
+  return std::min(largest_reach(), 1.5 * usual_reach());
 }
 
 std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
@@ -97,11 +122,11 @@ std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
   const std::uint64_t encoded = row + sizeof(Index3) + row / 64 + 1;
   const std::uint64_t supports = parameters_.nearest ? sizeof(Support) : 0;
   const bool looks = largest_reach() > 0;  // where there is no spacing, nothing is evaluated
-  const std::uint64_t balls =
-      looks ? static_cast<std::uint64_t>(thread_count()) * plan.ball_points : 0;
+  const std::uint64_t task =
+      Projector::bytes_for(looks ? plan.ball_points : 0) + QueryBatch::bytes_for(kChunkPoints);
   return plan.own_points * (sizeof(Index3) + row + encoded + supports) +
          plan.near_points * sizeof(Index3) + CellGrid::bytes_for(plan.near_points) +
-         balls * kBytesPerNeighbour;
+         static_cast<std::uint64_t>(thread_count()) * task;
 }
 
 std::optional<double> ProjectOperator::prepare(Part& part) const {
@@ -120,7 +145,7 @@ std::optional<double> ProjectOperator::prepare(Part& part) const {
       if (distance) part.supports[i] = support_at(*distance);
       double& most = needed[i / kChunkPoints];
       if (distance)
-        most = std::max({most, *distance, reach(part.supports[i])});
+        most = std::max({most, *distance, reach_of(part.supports[i])});
       else if (loaded < parameters_.cap)
         most = std::max(most, 2 * loaded);
     }
@@ -133,45 +158,39 @@ std::optional<double> ProjectOperator::prepare(Part& part) const {
 std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& monitor) const {
   const std::vector<Chunk> chunks = chunks_of(part);
   std::vector<ProjectStatistics> statistics(chunks.size());
-  const double usual =
-      parameters_.nearest ? reach(support_at(parameters_.first_guess)) : reach(parameters_.support);
-  const CellGrid grid(source_lattice_, part.candidates, std::max(usual, kSmallestReach));
+  const CellGrid grid(source_lattice_, part.candidates, std::max(usual_reach(), kSmallestReach));
   parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    Evaluation evaluation;
+    Projector projector(grid, parameters_.method);
+    QueryBatch batch;
     for (std::size_t c = begin; c < end && !monitor.stopping(); ++c) {
-      for (std::size_t i = chunks[c].first; i < chunks[c].first + chunks[c].count; ++i) {
-        Projection projection = evaluate(part, i, grid, evaluation);
-        place(projection, part, i);
+      const Chunk& chunk = chunks[c];
+      fill(part, chunk.first, chunk.count, batch);
+      batch.project(projector);
+      for (std::size_t i = 0; i < chunk.count; ++i) {
+        Projection projection = batch.answer(i);
+        place(projection, part, chunk.first + i);
         statistics[c].add(projection);
       }
-      monitor.advance(chunks[c].count);
+      monitor.advance(chunk.count);
     }
   });
-  std::vector<ProjectStatistics> blocks(part.block_counts.size());
-  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
-  std::vector<std::vector<std::byte>> notes;
-  for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
-  return notes;
+  return notes_of(part, chunks, statistics);
 }
 
-Projection ProjectOperator::evaluate(const Part& part, std::size_t i, const CellGrid& grid,
-                                     Evaluation& last) const {
-  Projection projection;
-  const Support support = parameters_.nearest ? part.supports[i] : parameters_.support;
-  if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()])) {
-    projection.status = Status::kExcluded;
-  } else if (support.radius <= 0) {
-    projection.status = parameters_.nearest ? Status::kIsolated : Status::kTooFew;
-  } else if (last.position == part.own[i]) {
-    projection = last.projection;  // many points at one place are one question
-  } else {
-    const double width = std::min(reach(support), parameters_.buffer.value_or(HUGE_VAL));
-    grid.gather({part.own[i], {}}, width, last.neighbours);
-    projection = project_levin(last.neighbours, support, parameters_.degree);
-    last.position = part.own[i];
-    last.projection = projection;
+void ProjectOperator::fill(const Part& part, std::size_t first, std::size_t count,
+                           QueryBatch& batch) const {
+  batch.clear();
+  const double width = parameters_.buffer.value_or(std::numeric_limits<double>::infinity());
+  for (std::size_t i = first; i < first + count; ++i) {
+    const Support asked = parameters_.nearest ? part.supports[i] : parameters_.support;
+    const Support support = narrowed(asked, parameters_.method.weight, width);
+    if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()]))
+      batch.add(Status::kExcluded);
+    else if (support.radius <= 0)
+      batch.add(parameters_.nearest ? Status::kIsolated : Status::kTooFew);
+    else
+      batch.add(part.own[i], support);
   }
-  return projection;
 }
 
 void ProjectOperator::place(Projection& projection, Part& part, std::size_t i) const {

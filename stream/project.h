@@ -4,25 +4,30 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/projection.h"
+#include "core/projector.h"
 #include "stream/operator.h"
 #include "stream/outputs.h"
 #include "stream/project_statistics.h"
+#include "stream/query_batch.h"
 
 namespace pss {
 
 /// What a projection computes; the choices of a user made definite.
 struct ProjectParameters {
-  int degree = 3;
+  Method method;
   Support support;         ///< of every query, unless `nearest` is set
   int nearest = 0;         ///< the query owns its support: `factor` * distance to its k-th nearest
-  double factor = 1;       ///< radius / that distance; h follows by radius_factor(degree)
+  double factor = 1;       ///< radius / that distance; h follows by radius_factor(method.degree)
   double cap = 0;          ///< a k-th nearest farther than this leaves the query isolated
   double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
   OutputSet outputs = 0;
-  std::optional<Lattice> grid;   ///< the grid of the output file, whose int32 range limits places
-  std::optional<double> buffer;  ///< halo width by hand, also where exactness needs more
+  std::optional<Lattice> grid;  ///< the grid of the output file, whose int32 range limits places
+  /// Halo width by hand. Where it is less than a support needs, that support is narrowed.
+  std::optional<double> buffer;
 };
+
+/// The support itself where its reach is at most `width`, otherwise one that reaches just so far.
+Support narrowed(const Support& support, WeightKind weight, double width);
 
 /// The lattice of a result: the source's, its step refined up to 256-fold as far as 42 bits and
 /// room for moves of `largest_move` allow.
@@ -47,15 +52,12 @@ class ProjectOperator : public Operator {
   ProjectOperator(const Store& source, const ProjectParameters& parameters);
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
+  /// How far a query with this support looks, and one with a typical support.
+  double reach_of(const Support& support) const;
+  double usual_reach() const;
   std::size_t bytes_per_row() const { return header_.schema.row_size(); }
-  /// What the last point gave, for the next; and room for its neighbours.
-  struct Evaluation {
-    std::optional<Index3> position;
-    Projection projection;
-    Offsets neighbours;
-  };
-  Projection evaluate(const Part& part, std::size_t i, const CellGrid& grid,
-                      Evaluation& last) const;
+  /// Fills the batch with the own points [first, first + count).
+  void fill(const Part& part, std::size_t first, std::size_t count, QueryBatch& batch) const;
   /// Writes the outcome of own point i: place, outputs. The status may change to not representable.
   void place(Projection& projection, Part& part, std::size_t i) const;
   bool representable(const Index3& index) const;

@@ -122,7 +122,7 @@ ExportOptions export_options(const SmoothJob& job) {
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths) {
   ProjectParameters parameters;
-  parameters.degree = job.options.widths.degree;
+  parameters.method.degree = job.options.widths.degree;
   parameters.support = {widths.h, widths.radius};
   parameters.nearest = widths.nearest;
   parameters.factor = widths.factor;

@@ -101,6 +101,13 @@ std::uint64_t limit_leaving(std::uint64_t bytes) {
   return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
 }
 
+/// What the first tile takes as one part.
+std::uint64_t bytes_of_first_tile(const Store& source, const ProjectParameters& parameters) {
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
+  const PartLoader loader(source, op.result_header().schema.row_size());
+  return op.bytes(expect_value(loader.plan({0, 0, source.tiles()[0].blocks, op.largest_reach()})));
+}
+
 TEST(Project, EqualsTheSameComputationInMemory) {
   test::TemporaryDirectory folder;
   const Cloud cloud = wave(1);
@@ -118,7 +125,7 @@ TEST(Project, EqualsTheSameComputationInMemory) {
     for (std::int64_t& c : expected) c *= 256;
     if (cloud.rows[i] == std::byte{0}) {
       grid.gather({cloud.positions[i], {}}, reach(parameters.support), offsets);
-      const Projection p = project_levin(offsets, parameters.support, 3);
+      const Projection p = project_levin(offsets, parameters.support, parameters.method.degree);
       for (std::size_t a = 0; a < 3; ++a)
         expected[a] += std::llrint(p.displacement[a] / (0.001 / 256));
     }
@@ -135,12 +142,60 @@ TEST(Project, GivesTheSameRowsHoweverTilesAndPartsAreCut) {
 
     const Store tiles = store_of(cloud, folder / "tiles.pss", {1, 100, 2000, 2001, 5000, 6999});
     expect_equal(project(tiles, parameters, folder / "r.pss"), expected);
-    // 1.5 MiB hold one of the two blocks of the whole tile at once.
-    expect_equal(project(whole, parameters, folder / "r.pss", limit_leaving(3 * kMiB / 2)),
-                 expected);
+    // A part that takes more than half of what is left is cut: here into the tile's two blocks.
+    const std::uint64_t tight = limit_leaving(bytes_of_first_tile(whole, parameters));
+    expect_equal(project(whole, parameters, folder / "r.pss", tight), expected);
     for (const int threads : {1, 2, 3}) {
       const ThreadLimit limit(threads);
       expect_equal(project(tiles, parameters, folder / "r.pss"), expected);
+    }
+  }
+}
+
+TEST(Project, AsksOncePerPlaceAndAnswersForAllItsPoints) {
+  test::TemporaryDirectory folder;
+  Cloud cloud = wave(8);
+  for (std::size_t i = 0; i + 4 < kPoints; i += 5)  // runs of up to five points at one place
+    for (std::size_t k = 1; k < 5; ++k) cloud.positions[i + k] = cloud.positions[i];
+  const Store source = store_of(cloud, folder / "s.pss", {2500, 5000});
+
+  const Cloud found = project(source, fixed_support(), folder / "r.pss");
+
+  const std::size_t row = found.rows.size() / kPoints;
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i + 1 < kPoints; ++i) {
+    if (cloud.positions[i] != cloud.positions[i + 1]) continue;
+    if (cloud.rows[i] != cloud.rows[i + 1]) continue;  // one of them is excluded
+    ASSERT_EQ(found.positions[i], found.positions[i + 1]);
+    ASSERT_TRUE(
+        std::equal(&found.rows[i * row], &found.rows[(i + 1) * row], &found.rows[(i + 1) * row]));
+    moved += found.positions[i][2] != cloud.positions[i][2] * 256;
+  }
+  EXPECT_GT(moved, kPoints / 2);
+}
+
+TEST(Project, NarrowsWhatABufferIsTooNarrowForSoThatTilesDoNotShow) {
+  test::TemporaryDirectory folder;
+  const Cloud cloud = wave(9);
+  const Store whole = store_of(cloud, folder / "whole.pss", {});
+  const Store tiles = store_of(cloud, folder / "tiles.pss", {1, 100, 2000, 2001, 5000, 6999});
+  for (ProjectParameters parameters : {fixed_support(), nearest_support()}) {
+    parameters.buffer = 3.5;
+
+    expect_equal(project(tiles, parameters, folder / "r.pss"),
+                 project(whole, parameters, folder / "q.pss"));
+  }
+}
+
+TEST(Narrowed, SupportsReachNoFartherThanTheWidth) {
+  for (const WeightKind weight : kWeightKinds) {
+    const Support wide{1, 3};
+    EXPECT_EQ(narrowed(wide, weight, 4).radius, 3);
+    for (const double width : {2.0, 1.2, 0.3}) {
+      const Support narrow = narrowed(wide, weight, width);
+      EXPECT_NEAR(reach(weight, narrow), width, 1e-12);
+      EXPECT_LE(narrow.h, narrow.radius);
+      EXPECT_GT(narrow.h, 0);
     }
   }
 }
@@ -170,7 +225,7 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
 
   int interruptions = 0;
   for (bool done = false; !done;) {
-    StopAt monitor(12);
+    StopAt monitor(6);  // enough for a tile or two
     StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
     const auto summary = run_operator(source, op, writer, budget, monitor);
     done = summary.has_value();
