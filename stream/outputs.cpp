@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <sstream>
@@ -16,9 +17,9 @@ struct Word {
 };
 
 constexpr Word kWords[] = {
-    {"normals", kNormals},   {"curvature", kCurvature}, {"displacement", kDisplacement},
-    {"residual", kResidual}, {"neighbors", kNeighbors}, {"boundary", kBoundary},
-    {"status", kStatus},
+    {"normals", kNormals},           {"curvature", kCurvature}, {"principal", kPrincipal},
+    {"displacement", kDisplacement}, {"residual", kResidual},   {"neighbors", kNeighbors},
+    {"boundary", kBoundary},         {"status", kStatus},
 };
 
 struct Attribute {
@@ -34,12 +35,25 @@ constexpr Attribute kAttributes[] = {
     {"NormalZ", kNormals, 2, Type::kFloat32},
     {"MeanCurvature", kCurvature, 0, Type::kFloat32},
     {"GaussianCurvature", kCurvature, 1, Type::kFloat32},
+    {"PrincipalCurvature1", kPrincipal, 0, Type::kFloat32},
+    {"PrincipalCurvature2", kPrincipal, 1, Type::kFloat32},
+    {"PrincipalDirection1X", kPrincipal, 2, Type::kFloat32},
+    {"PrincipalDirection1Y", kPrincipal, 3, Type::kFloat32},
+    {"PrincipalDirection1Z", kPrincipal, 4, Type::kFloat32},
     {"Displacement", kDisplacement, 0, Type::kFloat32},
     {"Residual", kResidual, 0, Type::kFloat32},
     {"Neighbors", kNeighbors, 0, Type::kUint32},
     {"Boundary", kBoundary, 0, Type::kFloat32},
     {"Status", kStatus, 0, Type::kUint8},
 };
+
+/// k1, k2, then the direction of k1: k1 >= k2 are H +- sqrt(H^2 - K).
+double principal_value(const Projection& p, int part) {
+  if (part >= 2) return p.principal_direction[static_cast<std::size_t>(part - 2)];
+  const double h = p.mean_curvature;
+  const double away = std::sqrt(std::max(0.0, h * h - p.gaussian_curvature));
+  return part == 0 ? h + away : h - away;
+}
 
 double real_value(const Projection& p, Output output, int part) {
   const World3& d = p.displacement;
@@ -48,6 +62,8 @@ double real_value(const Projection& p, Output output, int part) {
       return p.normal[static_cast<std::size_t>(part)];
     case kCurvature:
       return part == 0 ? p.mean_curvature : p.gaussian_curvature;
+    case kPrincipal:
+      return principal_value(p, part);
     case kDisplacement:
       return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     case kResidual:
@@ -58,6 +74,11 @@ double real_value(const Projection& p, Output output, int part) {
 }
 
 }  // namespace
+
+std::uint8_t status_value(const Projection& projection) {
+  const auto status = static_cast<std::uint8_t>(projection.status);
+  return projection.second_sheet ? status | kSecondSheetFlag : status;
+}
 
 Result<OutputSet> parse_outputs(const std::string& list) {
   OutputSet set = 0;
@@ -109,7 +130,7 @@ void OutputColumns::write(const Projection& projection, std::byte* row) const {
   for (const Column& column : columns_) {
     std::byte* to = row + column.position;
     if (column.type == Type::kUint8) {
-      *to = static_cast<std::byte>(projection.status);
+      *to = static_cast<std::byte>(status_value(projection));
     } else if (column.type == Type::kUint32) {
       std::memcpy(to, &projection.neighbours, sizeof projection.neighbours);
     } else {

@@ -1,6 +1,7 @@
 #pragma once
 // The optional attributes of a projection: their names, and where they lie in a result row.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,13 +21,17 @@ enum Output : unsigned {
   kNeighbors = 1u << 4,
   kBoundary = 1u << 5,
   kStatus = 1u << 6,
-  kAllOutputs = (1u << 7) - 1,
+  kPrincipal = 1u << 7,
+  kAllOutputs = (1u << 8) - 1,
 };
 using OutputSet = unsigned;
 
+/// The value of a Status attribute: the status, and the flag of a second sheet.
+std::uint8_t status_value(const Projection& projection);
+
 /// "normals,curvature,..." or "all". Errors: kUsage naming the unknown word and the known ones.
 Result<OutputSet> parse_outputs(const std::string& list);
-/// The words of a set, in the order above.
+/// The words of a set, in the order of their attributes.
 std::vector<std::string> output_names(OutputSet set);
 
 /// Appends the attributes of a set to a schema and writes them into its rows.

@@ -20,6 +20,8 @@ void ProjectStatistics::add(const Projection& projection) {
   neighbours += projection.neighbours;
   evaluated += projection.neighbours ? 1 : 0;
   most_neighbours = std::max<std::uint64_t>(most_neighbours, projection.neighbours);
+  second_sheet += projection.second_sheet ? 1 : 0;
+  redone += projection.redone ? 1 : 0;
   if (!pss::moved(projection.status)) return;
   const World3& d = projection.displacement;
   const double length_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -33,6 +35,8 @@ void ProjectStatistics::add(const ProjectStatistics& other) {
   neighbours += other.neighbours;
   evaluated += other.evaluated;
   most_neighbours = std::max(most_neighbours, other.most_neighbours);
+  second_sheet += other.second_sheet;
+  redone += other.redone;
   displacement_sq += other.displacement_sq;
   largest_displacement = std::max(largest_displacement, other.largest_displacement);
   residual_sq += other.residual_sq;
@@ -49,6 +53,9 @@ std::uint64_t ProjectStatistics::moved() const {
 
 double ProjectStatistics::mean_neighbours() const {
   return ratio(static_cast<double>(neighbours), evaluated);
+}
+double ProjectStatistics::redone_share() const {
+  return ratio(static_cast<double>(redone), evaluated);
 }
 double ProjectStatistics::rms_displacement() const {
   return std::sqrt(ratio(displacement_sq, moved()));

@@ -16,7 +16,9 @@ struct ProjectStatistics {
   std::uint64_t neighbours = 0;  ///< summed over the points that were evaluated
   std::uint64_t evaluated = 0;   ///< points with any neighbours counted
   std::uint64_t most_neighbours = 0;
-  double displacement_sq = 0;  ///< summed over the points that moved
+  std::uint64_t second_sheet = 0;  ///< points with another sheet in their neighbourhood
+  std::uint64_t redone = 0;        ///< points that single precision gave up, done in double
+  double displacement_sq = 0;      ///< summed over the points that moved
   double largest_displacement = 0;
   double residual_sq = 0;  ///< summed over the points that moved
 
@@ -26,6 +28,8 @@ struct ProjectStatistics {
   std::uint64_t points() const;
   std::uint64_t moved() const;
   double mean_neighbours() const;
+  /// Share of the evaluated points.
+  double redone_share() const;
   double rms_displacement() const;
   double rms_residual() const;
 

@@ -34,7 +34,8 @@ TEST(Outputs, AppendsAttributesInTheDocumentedOrderAndWritesThem) {
   projection.displacement = {3, 4, 12};
   projection.normal = {0, 0.6, 0.8};
   projection.mean_curvature = -2;
-  projection.gaussian_curvature = 4;
+  projection.gaussian_curvature = 3;  // k1 = -1, k2 = -3
+  projection.principal_direction = {1, 0, 0};
   projection.residual = 0.25;
   projection.boundary = 0.5;
   std::vector<std::byte> row(schema.row_size(), std::byte{0x5a});
@@ -42,16 +43,48 @@ TEST(Outputs, AppendsAttributesInTheDocumentedOrderAndWritesThem) {
   columns.write(projection, row.data());
 
   const std::vector<std::pair<const char*, double>> expected = {
-      {"Intensity", 0x5a5a},     {"NormalX", 0},        {"NormalY", double{0.6f}},
-      {"NormalZ", double{0.8f}}, {"MeanCurvature", -2}, {"GaussianCurvature", 4},
-      {"Displacement", 13},      {"Residual", 0.25},    {"Neighbors", 77},
-      {"Boundary", 0.5},         {"Status", 1}};
+      {"Intensity", 0x5a5a},       {"NormalX", 0},
+      {"NormalY", double{0.6f}},   {"NormalZ", double{0.8f}},
+      {"MeanCurvature", -2},       {"GaussianCurvature", 3},
+      {"PrincipalCurvature1", -1}, {"PrincipalCurvature2", -3},
+      {"PrincipalDirection1X", 1}, {"PrincipalDirection1Y", 0},
+      {"PrincipalDirection1Z", 0}, {"Displacement", 13},
+      {"Residual", 0.25},          {"Neighbors", 77},
+      {"Boundary", 0.5},           {"Status", 1}};
   const std::vector<Dimension> dimensions = schema.dimensions();
   ASSERT_EQ(dimensions.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(dimensions[i].name, expected[i].first);
     EXPECT_EQ(read_value(dimensions[i], row.data()), expected[i].second) << expected[i].first;
   }
+}
+
+TEST(Outputs, GiveBothPrincipalCurvaturesOfARoundPlaceItsMean) {
+  Schema schema;
+  const OutputColumns columns = expect_value(OutputColumns::add_to(schema, kPrincipal));
+  Projection projection;
+  projection.mean_curvature = 0.5;
+  projection.gaussian_curvature = 0.25 + 1e-9;  // rounding may leave K above H^2
+  std::vector<std::byte> row(schema.row_size());
+
+  columns.write(projection, row.data());
+
+  for (const char* name : {"PrincipalCurvature1", "PrincipalCurvature2"})
+    EXPECT_EQ(read_value(*schema.dimension(name), row.data()), 0.5) << name;
+  EXPECT_EQ(read_value(*schema.dimension("PrincipalDirection1X"), row.data()), 0);
+}
+
+TEST(Outputs, MarkASecondSheetInTheStatus) {
+  Schema schema;
+  const OutputColumns columns = expect_value(OutputColumns::add_to(schema, kStatus));
+  Projection projection;
+  projection.status = Status::kOutOfDomain;
+  projection.second_sheet = true;
+  std::vector<std::byte> row(schema.row_size());
+
+  columns.write(projection, row.data());
+
+  EXPECT_EQ(row[0], std::byte{4 + 128});
 }
 
 TEST(Outputs, OverwriteAnAttributeOfTheSameNameAndType) {
