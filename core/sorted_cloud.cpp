@@ -1,0 +1,129 @@
+#include "core/sorted_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include "core/morton.h"
+#include "core/neighbours.h"
+
+namespace pss {
+namespace {
+
+constexpr std::size_t kMostPoints = std::numeric_limits<std::uint32_t>::max() - 1;
+/// Beyond it squares of lengths overflow.
+constexpr double kLargestCoordinate = 1e150;
+/// How far from 1 the squared length of a unit normal may be that was written with few digits.
+constexpr double kUnitTolerance = 0.02;
+
+constexpr int kSpacingRank = 16;
+constexpr std::size_t kSpacingSample = 1024;
+
+Error bad(std::string message) { return {Fault::kBadInput, std::move(message)}; }
+
+bool is_usable(const World3& p) {
+  return std::ranges::all_of(p, [](double c) { return std::abs(c) <= kLargestCoordinate; });
+}
+
+bool is_unit_or_zero(const Normal& n) {
+  const double x = n[0], y = n[1], z = n[2];
+  const double length_squared = x * x + y * y + z * z;
+  return length_squared == 0 || std::abs(length_squared - 1) < kUnitTolerance;
+}
+
+Result<void> check_points(std::span<const World3> points) {
+  if (points.size() > kMostPoints)
+    return bad(fmt::format("found {} points, expected at most {}", points.size(), kMostPoints));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!is_usable(points[i]))
+      return bad(fmt::format("point {}: found ({}, {}, {}), expected finite coordinates up to {:g}",
+                             i, points[i][0], points[i][1], points[i][2], kLargestCoordinate));
+  return {};
+}
+
+Result<void> check_normals(std::span<const Normal> normals, std::size_t points) {
+  if (!normals.empty() && normals.size() != points)
+    return bad(fmt::format("found {} normals for {} points", normals.size(), points));
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    if (!is_unit_or_zero(normals[i]))
+      return bad(fmt::format("normal {}: found ({}, {}, {}), expected length 1, or 0 for none", i,
+                             normals[i][0], normals[i][1], normals[i][2]));
+  return {};
+}
+
+/// Errors: a point that `lattice` does not hold.
+Result<void> check_on_lattice(std::span<const World3> points, const Lattice& lattice) {
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!on_lattice(lattice, points[i]))
+      return bad(fmt::format(
+          "point {}: ({}, {}, {}) is more than {} bits of steps of ({}, {}, {}) from the lattice's "
+          "origin; expected a coarser lattice",
+          i, points[i][0], points[i][1], points[i][2], kLatticeBits, lattice.scale[0],
+          lattice.scale[1], lattice.scale[2]));
+  return {};
+}
+
+Lattice lattice_of(std::span<const World3> points) {
+  WorldBox bounds;
+  for (const World3& p : points) bounds.add(p);
+  return lattice_for(bounds);
+}
+
+/// Every distinct position, one of each.
+std::vector<Index3> distinct(std::span<const Index3> sorted) {
+  std::vector<Index3> positions;
+  positions.reserve(sorted.size());
+  std::ranges::unique_copy(sorted, std::back_inserter(positions));
+  return positions;
+}
+
+}  // namespace
+
+Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals,
+                               const std::optional<Lattice>& lattice) {
+  PSS_TRY(check_points(points));
+  PSS_TRY(check_normals(normals, points.size()));
+  SortedCloud cloud;
+  cloud.lattice = lattice ? *lattice : lattice_of(points);
+  PSS_TRY(check_on_lattice(points, cloud.lattice));
+
+  struct Entry {
+    Key key;
+    std::uint32_t index;
+  };
+  std::vector<Entry> entries(points.size());
+  for (std::uint32_t i = 0; i < entries.size(); ++i)
+    entries[i] = {encode_key(to_index(cloud.lattice, points[i])), i};
+  std::ranges::sort(entries, [&](const Entry& a, const Entry& b) {
+    if (a.key != b.key) return a.key < b.key;
+    if (!normals.empty() && normals[a.index] != normals[b.index])
+      return normals[a.index] < normals[b.index];
+    return a.index < b.index;
+  });
+  for (const Entry& entry : entries) {
+    cloud.points.push_back(decode_key(entry.key));
+    cloud.order.push_back(entry.index);
+    if (!normals.empty()) cloud.normals.push_back(normals[entry.index]);
+  }
+  return cloud;
+}
+
+std::optional<double> spacing_of(const SortedCloud& cloud) {
+  const std::vector<Index3> positions = distinct(cloud.points);
+  if (positions.size() <= static_cast<std::size_t>(kSpacingRank)) return std::nullopt;
+  const CellGrid grid(cloud.lattice, positions, std::numeric_limits<double>::min());
+  const std::size_t step = (positions.size() + kSpacingSample - 1) / kSpacingSample;
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < positions.size(); i += step)
+    distances.push_back(grid.kth_distance(positions[i], kSpacingRank, HUGE_VAL).value());
+  const auto median = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::ranges::nth_element(distances, median);
+  return *median * std::sqrt(std::numbers::pi / kSpacingRank);
+}
+
+}  // namespace pss

@@ -1,0 +1,40 @@
+#pragma once
+// A caller's points as the grid wants them: on a lattice, in key order, with the way back.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/lattice.h"
+#include "core/projector.h"
+#include "core/result.h"
+
+namespace pss {
+
+struct SortedCloud {
+  Lattice lattice;
+  std::vector<Index3> points;        ///< in key order; those at one position by their normals
+  std::vector<Normal> normals;       ///< in the same order; empty where none were given
+  std::vector<std::uint32_t> order;  ///< points[i] is the caller's point order[i]
+};
+
+/// Rounds `points` to `lattice`, or to lattice_for() their bounds, and sorts them.
+///
+/// Shape:  `normals` is empty, or has one for each point: a unit vector, or zeros for none.
+/// Errors: kBadInput, naming the first such point, where one is not finite or not on the lattice,
+///         or a normal is neither unit nor zero; where there are 2^32 - 1 points or more.
+/// Cost:   O(n log n); 24 bytes a point beside the result.
+Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals = {},
+                               const std::optional<Lattice>& lattice = std::nullopt);
+
+/// The mean distance between points on a surface: median of d16 * sqrt(pi / 16) over a sample, d16
+/// the distance to the 16th nearest distinct position.
+///
+/// Empty where there are fewer than 17 distinct positions. It depends on neither the order of the
+/// caller's points nor on how many share a position.
+///
+/// Cost: O(n), and 1,024 searches for neighbours.
+std::optional<double> spacing_of(const SortedCloud& cloud);
+
+}  // namespace pss
