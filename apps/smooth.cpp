@@ -4,6 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <optional>
+
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/progress.h"
@@ -19,6 +23,13 @@ constexpr const char* kEpilogue =
     "Lengths are in the scan's units. A point's neighbours are all points within the support\n"
     "radius R; their Gaussian weight of width h reaches zero there. Without --radius, --h and\n"
     "--knn, h is twice the spacing that pss measures, and R = 3 h (4 h for order 4).\n"
+    "Operators: levin finds a reference plane by Newton's method and fits a polynomial over it: a\n"
+    "true projection (projecting twice changes nothing), smooths edges. fast iterates a weighted\n"
+    "plane instead: quicker, the same surface to a small fraction of the spacing. apss fits\n"
+    "spheres: robust where points are few or the surface bends much. rimls keeps sharp features\n"
+    "and resists outliers. apss and rimls need normals: those of the input (NormalX NormalY\n"
+    "NormalZ, in PLY nx ny nz) are taken as oriented; where it has none, a first pass over all\n"
+    "points computes them with levin.\n"
     "A point whose surface is not determined stays where it is; --outputs status says why.\n"
     "Interrupted or killed, the same command goes on where it stopped, and ends with the same\n"
     "bytes; they depend on neither threads, memory limit nor tile size.\n\n"
@@ -27,6 +38,22 @@ constexpr const char* kEpilogue =
     "  pss smooth tiles/ -o all.las --radius 0.3 --memory-limit 4G --report report.json\n"
     "  pss smooth scan.ply -o smooth.ply --knn 40 --outputs normals,curvature\n"
     "  pss smooth scan.pss -o smooth.las --dry-run";
+
+constexpr std::array kPrecisions{Precision::kSingle, Precision::kDouble};
+
+template <class Kinds>
+std::vector<std::string> names_of(const Kinds& kinds) {
+  std::vector<std::string> names;
+  for (const auto kind : kinds) names.emplace_back(name_of(kind));
+  return names;
+}
+
+/// The one of that name; empty where no name was given.
+template <class Kind, std::size_t n>
+std::optional<Kind> named(const std::array<Kind, n>& kinds, const std::string& name) {
+  const auto found = std::ranges::find(kinds, name, [](Kind kind) { return name_of(kind); });
+  return found == kinds.end() ? std::nullopt : std::optional(*found);
+}
 
 class Smooth : public Command {
  public:
@@ -47,6 +74,7 @@ class Smooth : public Command {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(reports_.check());
+    PSS_TRY(take_method());
     take_options();
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
@@ -72,21 +100,35 @@ class Smooth : public Command {
                      "Each point owns its radius: the distance to its K-th neighbour, at most "
                      "--radius [10 spacings]",
                      widths.knn, parse_integer);
-    arguments.option("--polynomial-order,--degree", "M", "Of the local surface, 0 to 4 [3]",
-                     widths.degree, parse_integer);
-    arguments.choice("--operator", {"levin"}, "The projection [levin]", operator_);
-    arguments.choice("--weight", {"gaussian"}, "The weight, tapered to zero at R [gaussian]",
-                     weight_);
-    arguments.choice("--precision", {"double"}, "Of the computation [double]", precision_);
+    arguments.option("--polynomial-order,--degree", "M",
+                     "Degree of the local surface of levin and fast, 0 to 4 [3]", degree_,
+                     parse_integer);
+    declare_method(arguments);
     arguments.option("--outputs", "LIST",
-                     "Attributes to add: normals, curvature, displacement, residual, neighbors, "
-                     "boundary, status, all",
+                     "Attributes to add: normals, curvature, principal (curvatures and direction), "
+                     "displacement, residual, neighbors, boundary, status, all",
                      options.outputs, parse_outputs_word);
     arguments.option("--buffer", "B",
                      "Halo width by hand; less than exactness needs is refused [what is needed]",
                      options.buffer, parse_positive);
-    arguments.flag("--allow-inexact", "Take a --buffer that is too narrow", options.allow_inexact);
+    arguments.flag("--allow-inexact", "Take a --buffer that is too narrow: radii shrink to it",
+                   options.allow_inexact);
     grid_.declare(arguments);
+  }
+
+  void declare_method(Arguments& arguments) {
+    arguments.choice("--operator", names_of(kMlsOperators),
+                     "How a point finds the surface: a true projection, the same quicker, "
+                     "algebraic spheres, or sharp features kept; see below [levin]",
+                     operator_);
+    arguments.choice("--weight", names_of(kWeightKinds),
+                     "Of a neighbour by its distance: a Gaussian tapered to zero at R, Wendland's "
+                     "compact polynomial, or exp(-d^2/R^2) cut at R, as PCL has it, to compare "
+                     "[gaussian]",
+                     weight_);
+    arguments.choice("--precision", names_of(kPrecisions),
+                     "Of the computation; single redoes in double what needs it [double]",
+                     precision_);
   }
 
   void declare_how(Arguments& arguments) {
@@ -102,6 +144,19 @@ class Smooth : public Command {
 
   static Result<OutputSet> parse_outputs_word(std::string_view text) {
     return parse_outputs(std::string(text));
+  }
+
+  Result<void> take_method() {
+    SmoothOptions& options = job_.options;
+    options.op = named(kMlsOperators, operator_).value_or(options.op);
+    options.weight = named(kWeightKinds, weight_).value_or(options.weight);
+    options.precision = named(kPrecisions, precision_);
+    options.widths.degree = degree_.value_or(options.widths.degree);
+    if (!degree_ || !needs_normals(options.op)) return {};
+    return Error{Fault::kUsage,
+                 fmt::format("--polynomial-order has no meaning with --operator {}, which fits no "
+                             "polynomial; leave it out",
+                             name_of(options.op))};
   }
 
   void take_options() {
@@ -123,7 +178,8 @@ class Smooth : public Command {
 
   std::vector<std::string> inputs_;
   SmoothJob job_;
-  std::string operator_, weight_, precision_;  // one choice each for now
+  std::string operator_, weight_, precision_;  // empty: not given
+  std::optional<int> degree_;
   GridOptions grid_;
   JobOptions directory_;
   LimitOptions limits_;

@@ -17,6 +17,19 @@ std::string widths_text(const ChosenWidths& widths) {
   return fmt::format("h {:.6g}, radius {:.6g}", widths.h, widths.radius);
 }
 
+std::string method_text(const Method& method) {
+  const std::string order =
+      needs_normals(method.op) ? "" : fmt::format(" of order {}", method.degree);
+  return fmt::format("{}{}, {} weight, {} precision", name_of(method.op), order,
+                     name_of(method.weight), name_of(method.precision));
+}
+
+/// Empty where no point asked for it.
+std::string redone_text(const ProjectStatistics& statistics) {
+  if (statistics.redone == 0) return {};
+  return fmt::format("; redone in double {:.2g}%", 100 * statistics.redone_share());
+}
+
 std::string statuses_text(const ProjectStatistics& statistics) {
   std::string text;
   for (int code = 0; code < kStatusCount; ++code) {
@@ -25,6 +38,8 @@ std::string statuses_text(const ProjectStatistics& statistics) {
     text += fmt::format("{}{} {}", text.empty() ? "" : ", ", status_name(static_cast<Status>(code)),
                         grouped(count));
   }
+  if (statistics.second_sheet > 0)
+    text += fmt::format("; second sheet near {}", grouped(statistics.second_sheet));
   return text;
 }
 
@@ -44,6 +59,7 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
   if (report.already_complete) return {fmt::format("{}: already complete", report.output)};
   std::vector<std::string> lines = report.notes;
   const ProjectStatistics& statistics = report.statistics;
+  lines.push_back(method_text(report.method) + redone_text(statistics));
   lines.push_back(widths_text(report.widths));
   lines.push_back(fmt::format("neighbours {:.1f} a point; moved by {:.4g} rms, {:.4g} at most",
                               statistics.mean_neighbours(), statistics.rms_displacement(),
@@ -70,6 +86,7 @@ std::string estimate_text(const SmoothEstimate& estimate) {
   line("peak memory", short_size(estimate.peak_memory));
   line("disk", short_size(estimate.disk_bytes));
   line("time", short_time(estimate.seconds));
+  line("method", method_text(estimate.method));
   if (estimate.from_store) line("widths", widths_text(estimate.widths));
   line("known from",
        estimate.from_store ? "the store (whole blocks counted)" : "the headers (estimated)");

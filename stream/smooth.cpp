@@ -9,6 +9,7 @@
 #include "io/writer.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_json.h"
+#include "stream/smooth_method.h"
 #include "stream/stopwatch.h"
 
 namespace pss {
@@ -192,6 +193,7 @@ void SmoothRun::note_if_few_moved() {
 
 void SmoothRun::describe_run() {
   report_.inputs = job_.inputs;
+  report_.method = method_of(job_.options);
   report_.output = job_.output;
   report_.work_dir = places_.work_dir;
   report_.points_in = report_.ingest.points_read;

@@ -20,7 +20,10 @@ namespace pss {
 /// What the user asked for; what is empty is chosen and explained in the report.
 struct SmoothOptions {
   // What the result depends on.
-  WidthOptions widths;
+  MlsOperator op = MlsOperator::kLevin;
+  WeightKind weight = WeightKind::kGaussian;
+  std::optional<Precision> precision;
+  WidthOptions widths;  ///< their degree is that of the polynomial, where the operator has one
   OutputSet outputs = 0;
   std::optional<double> buffer;
   bool allow_inexact = false;
@@ -51,6 +54,7 @@ struct SmoothReport {
   std::uint64_t points_in = 0;
   std::uint64_t points_out = 0;
   IngestSummary ingest;
+  Method method;
   ChosenWidths widths;
   ProjectStatistics statistics;
   ScheduleSummary schedule;
@@ -84,7 +88,8 @@ struct SmoothEstimate {
   std::uint64_t peak_memory = 0;  ///< of the process
   std::uint64_t disk_bytes = 0;   ///< work directory and output together, at the worst moment
   double seconds = 0;             ///< of this machine and thread count
-  ChosenWidths widths;            ///< only from a store
+  Method method;
+  ChosenWidths widths;  ///< only from a store
 };
 Result<SmoothEstimate> estimate_smooth(const SmoothJob& job, MemoryBudget& budget,
                                        Monitor& monitor);

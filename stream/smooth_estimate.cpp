@@ -5,9 +5,10 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "stream/calibration.h"
 #include "stream/smooth.h"
 #include "stream/smooth_job.h"
-#include "stream/stopwatch.h"
+#include "stream/smooth_method.h"
 
 namespace pss {
 namespace {
@@ -15,38 +16,7 @@ namespace {
 constexpr double kUsualTilePoints = kTilePoints / 1.7;  ///< between a full tile and a quarter of it
 constexpr double kUsualNeighbours = 113;                ///< at h = 2 spacings
 constexpr double kSortRate = 1.5e6;                     ///< points/s a core to read, sort and write
-constexpr double kCalibrationSeconds = 0.05;
-
-/// A flat patch with `count` neighbours within the reach of `support`.
-Offsets flat_patch(std::size_t count, const Support& support) {
-  Offsets patch;
-  for (std::size_t i = 0; i < count; ++i) {
-    // A sunflower: even spacing at any count.
-    const double r =
-        reach(support) * std::sqrt((static_cast<double>(i) + 0.5) / static_cast<double>(count));
-    const double angle = static_cast<double>(i) * std::numbers::pi * (3 - std::sqrt(5.0));
-    patch.x.push_back(r * std::cos(angle));
-    patch.y.push_back(r * std::sin(angle));
-    patch.z.push_back(0.01 * patch.x.back() * patch.y.back());
-  }
-  return patch;
-}
-
-/// How long one point takes on this machine with so many neighbours, measured.
-double seconds_per_point(double neighbours, int degree) {
-  const Support support{1, radius_factor(degree)};
-  const double share = reach(support) / support.radius;
-  const auto count = static_cast<std::size_t>(std::clamp(neighbours, 3.0, 20000.0) * share * share);
-  const Offsets patch = flat_patch(count, support);
-  std::uint64_t points = 0;
-  const Stopwatch watch;
-  double elapsed = 0;
-  do {
-    points += project_levin(patch, support, degree).neighbours > 0;
-    elapsed = watch.seconds();
-  } while (elapsed < kCalibrationSeconds);
-  return 1.5 * elapsed / static_cast<double>(points);  // the search for neighbours takes the half
-}
+constexpr double kRowWork = 1.2;  ///< loading, compressing and committing, beside the projection
 
 /// Neighbours of a point on a surface of this spacing.
 double usual_neighbours(const ChosenWidths& widths) {
@@ -59,11 +29,10 @@ double usual_neighbours(const ChosenWidths& widths) {
   return std::numbers::pi * r * r;
 }
 
-void add_times(SmoothEstimate& estimate, int degree, double neighbours) {
+void add_times(SmoothEstimate& estimate, double neighbours) {
   const double points = static_cast<double>(estimate.points);
   const double threads = thread_count();
-  estimate.seconds =
-      points * (1 + estimate.halo_share / 10) * seconds_per_point(neighbours, degree) / threads;
+  estimate.seconds = kRowWork * points * seconds_per_point(estimate.method, neighbours) / threads;
   if (!estimate.from_store) estimate.seconds += points / kSortRate / std::min(threads, 4.0);
 }
 
@@ -74,6 +43,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
     PSS_ASSIGN(spacing, measure_spacing(source, budget, monitor));
   }
   SmoothEstimate estimate;
+  estimate.method = method_of(job.options);
   estimate.widths = choose_widths(job.options.widths, spacing);
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths));
   PSS_TRY(check_buffer(op, job.options));
@@ -90,7 +60,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
   estimate.disk_bytes =
       source.bytes_on_disk() * (24 + row) / (24 + source.header().schema.row_size()) +
       estimate.points * (12 + row);
-  add_times(estimate, job.options.widths.degree, usual_neighbours(estimate.widths));
+  add_times(estimate, usual_neighbours(estimate.widths));
   return estimate;
 }
 
@@ -108,6 +78,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   Schema schema = plan.header.schema;
   PSS_TRY(OutputColumns::add_to(schema, job.options.outputs));
   SmoothEstimate estimate;
+  estimate.method = method_of(job.options);
   estimate.points = plan.points;
   const double per_tile = kUsualTilePoints * job.options.tile_points / kTilePoints;
   estimate.tiles = static_cast<std::uint64_t>(static_cast<double>(plan.points) / per_tile) + 1;
@@ -120,7 +91,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   estimate.peak_memory = peak_from_files(plan.points, schema.row_size(), budget);
   estimate.disk_bytes = plan.disk_bytes + plan.points * (12 + schema.row_size()) +
                         plan.points * (8 + schema.row_size() / 2);
-  add_times(estimate, job.options.widths.degree, kUsualNeighbours);
+  add_times(estimate, kUsualNeighbours);
   return estimate;
 }
 

@@ -9,6 +9,7 @@
 #include "io/inputs.h"
 #include "io/writer.h"
 #include "stream/fingerprint.h"
+#include "stream/smooth_method.h"
 
 namespace pss {
 namespace {
@@ -23,13 +24,14 @@ json optional_json(const std::optional<T>& value) {
 /// All that the result depends on beside the inputs, by the names of the flags.
 json parameters_of(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
-  return {{"operator", "levin"},
-          {"weight", "gaussian"},
-          {"precision", "double"},
+  const Method method = method_of(options);
+  return {{"operator", name_of(method.op)},
+          {"weight", name_of(method.weight)},
+          {"precision", name_of(method.precision)},
           {"radius", optional_json(options.widths.radius)},
           {"h", optional_json(options.widths.h)},
           {"knn", optional_json(options.widths.knn)},
-          {"polynomial-order", options.widths.degree},
+          {"polynomial-order", needs_normals(method.op) ? json() : json(method.degree)},
           {"outputs", output_names(options.outputs)},
           {"buffer", optional_json(options.buffer)},
           {"allow-inexact", options.allow_inexact},
@@ -39,10 +41,11 @@ json parameters_of(const SmoothJob& job) {
 }
 
 /// The reach where it is known before any point is read.
-std::optional<double> known_reach(const WidthOptions& widths) {
+std::optional<double> known_reach(const SmoothOptions& options) {
+  const WidthOptions& widths = options.widths;
   if (needs_spacing(widths) || widths.knn) return std::nullopt;
   const ChosenWidths chosen = choose_widths(widths, std::nullopt);
-  return reach({chosen.h, chosen.radius});
+  return reach(options.weight, {chosen.h, chosen.radius});
 }
 
 /// Refuses a buffer by hand that is less than `needed`.
@@ -70,7 +73,7 @@ Result<void> check_job(const SmoothJob& job) {
   if (options.buffer && !(*options.buffer >= 0 && std::isfinite(*options.buffer)))
     return Error{Fault::kUsage,
                  fmt::format("--buffer: found {}, expected a length", *options.buffer)};
-  PSS_TRY(check_buffer_width(options, known_reach(options.widths).value_or(0)));
+  PSS_TRY(check_buffer_width(options, known_reach(options).value_or(0)));
   if (options.scale && !positive(*options.scale))
     return Error{Fault::kUsage, "--scale: expected lengths above zero"};
   if (options.tile_points == 0) return Error{Fault::kUsage, "--tile-points: expected at least 1"};
@@ -122,7 +125,7 @@ ExportOptions export_options(const SmoothJob& job) {
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths) {
   ProjectParameters parameters;
-  parameters.method.degree = job.options.widths.degree;
+  parameters.method = method_of(job.options);
   parameters.support = {widths.h, widths.radius};
   parameters.nearest = widths.nearest;
   parameters.factor = widths.factor;

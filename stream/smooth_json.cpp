@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "stream/smooth_method.h"
+
 namespace pss {
 namespace {
 
@@ -37,6 +39,15 @@ ChosenWidths widths_from(const ordered_json& j) {
   return widths;
 }
 
+/// apss and rimls have no polynomial of the user's choice.
+ordered_json method_json(const Method& method) {
+  const bool has_order = !needs_normals(method.op);
+  return {{"operator", name_of(method.op)},
+          {"weight", name_of(method.weight)},
+          {"precision", name_of(method.precision)},
+          {"polynomial_order", has_order ? ordered_json(method.degree) : ordered_json()}};
+}
+
 ordered_json ingest_json(const IngestSummary& ingest) {
   return ordered_json::parse(to_json(ingest), nullptr, false);
 }
@@ -65,7 +76,9 @@ ordered_json points_json(const SmoothReport& report) {
   return {{"in", report.points_in},
           {"out", report.points_out},
           {"dropped", {{"not_finite", report.ingest.dropped_not_finite}}},
-          {"status", statuses_json(report.statistics)}};
+          {"status", statuses_json(report.statistics)},
+          {"second_sheet", report.statistics.second_sheet},
+          {"redone_in_double", report.statistics.redone}};
 }
 
 ordered_json seconds_json(const SmoothReport& report) {
@@ -78,10 +91,7 @@ ordered_json seconds_json(const SmoothReport& report) {
 
 std::string result_parameters(const SmoothJob& job, const ChosenWidths& widths) {
   ordered_json j = widths_json(widths);
-  j["polynomial_order"] = job.options.widths.degree;
-  j["operator"] = "levin";
-  j["weight"] = "gaussian";
-  j["precision"] = "double";
+  j.update(method_json(method_of(job.options)));
   return j.dump();
 }
 
@@ -118,6 +128,7 @@ std::string to_json(const SmoothReport& report) {
   j["points"] = points_json(report);
   j["moved_to_lattice"] = {{"points", report.ingest.moved_to_lattice},
                            {"largest", report.ingest.largest_move}};
+  j["method"] = method_json(report.method);
   j["widths"] = widths_json(report.widths);
   j["neighbours"] = {{"mean", s.mean_neighbours()}, {"most", s.most_neighbours}};
   j["displacement"] = {{"rms", s.rms_displacement()}, {"largest", s.largest_displacement}};
@@ -144,6 +155,7 @@ std::string to_json(const SmoothEstimate& estimate) {
                       {"memory", {{"peak", estimate.peak_memory}}},
                       {"disk_bytes", estimate.disk_bytes},
                       {"seconds", estimate.seconds},
+                      {"method", method_json(estimate.method)},
                       {"widths", widths_json(estimate.widths)}}
       .dump(2);
 }

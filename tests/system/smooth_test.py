@@ -155,6 +155,21 @@ class Words(SystemTest):
         self.assertEqual((points["in"], points["out"]), (20000, 20000))
         self.assertEqual(sum(points["status"].values()), 20000)
 
+    def test_the_report_says_which_method_was_used(self):
+        report = self.path("report.json")
+        self.ok("smooth", self.scan, "-o", self.out, "--operator", "fast", "--weight", "wendland",
+                "--precision", "double", "--degree", "2", "--report", report)
+        said = harness.read_json(report)
+        self.assertEqual(said["method"], {"operator": "fast", "weight": "wendland",
+                                          "precision": "double", "polynomial_order": 2})
+        self.assertEqual(said["points"]["redone_in_double"], 0)
+        self.assertLessEqual(said["points"]["second_sheet"], 20000)
+
+    def test_another_method_is_another_job(self):
+        self.ok("smooth", self.scan, "-o", self.out)
+        for words in (["--operator", "fast"], ["--weight", "pcl"], ["--precision", "single"]):
+            self.refused(FAILED, "smooth", self.scan, "-o", self.out, *words, says=["exists"])
+
     def test_an_identical_finished_job_is_already_complete(self):
         self.ok("smooth", self.scan, "-o", self.out)
         before = self.out.stat().st_mtime_ns
@@ -187,7 +202,10 @@ class Words(SystemTest):
     def test_parameters_that_make_no_sense_are_2(self):
         for words in (["--radius", "1", "--h", "2"], ["--radius", "0"], ["--degree", "5"],
                       ["--outputs", "beauty"], ["--knn", "0"], ["--operator", "pcl"],
-                      ["--memory-limit", "lots"], ["--radius", "1", "--buffer", "0.5"]):
+                      ["--memory-limit", "lots"], ["--radius", "1", "--buffer", "0.5"],
+                      ["--weight", "flat"], ["--precision", "half"],
+                      ["--operator", "apss", "--polynomial-order", "3"],
+                      ["--operator", "rimls", "--degree", "2"]):
             with self.subTest(words):
                 self.refused(USAGE, "smooth", self.scan, "-o", self.out, *words)
         self.assertFalse(self.out.exists())
