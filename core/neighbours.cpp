@@ -14,6 +14,8 @@ namespace {
 
 /// Points a cell on average, at least: what keeps the table small beside the points.
 constexpr std::size_t kPointsPerCell = 8;
+/// How many times cells are halved below the size that suits a single ball.
+constexpr int kFiner = 2;
 
 /// The side, as a power of two, of the smallest cell that holds both positions.
 int common_shift(const Index3& a, const Index3& b) {
@@ -126,7 +128,9 @@ CellGrid::CellGrid(const Lattice& lattice, std::span<const Index3> points, doubl
   assert(points.size() < std::numeric_limits<std::uint32_t>::max());
   assert(std::ranges::is_sorted(points, {}, encode_key));
   if (points.empty()) return;
-  shift_ = affordable_shift(points, BallBox(lattice, {points[points.size() / 2]}, radius).shift());
+  // A quarter of the cells that one ball would like best: many balls together use smaller ones.
+  const int best = BallBox(lattice, {points[points.size() / 2]}, radius).shift();
+  shift_ = affordable_shift(points, std::max(best - kFiner, 0));
   std::size_t count = 1;
   for (std::size_t i = 1; i < points.size(); ++i)
     count += common_shift(points[i - 1], points[i]) > shift_;
@@ -190,6 +194,104 @@ void CellGrid::gather(const Query& query, double radius, Offsets& out) const {
       buffer.add(d[0], d[1], d[2], inside(d[0], d[1], d[2]));
     }
   });
+}
+
+/// A walk down the octree of cells, and within dense cells on down among the points.
+class CellGrid::BoxSearch {
+ public:
+  BoxSearch(const CellGrid& grid, const IndexBox& box, double radius, std::vector<PointRange>& out)
+      : grid_(grid),
+        box_(box),
+        radius_(radius),
+        limit_(radius * radius * (1 + kSlack)),
+        longest_step_(std::ranges::max(grid.lattice_.scale)),
+        out_(out) {}
+
+  void run() {
+    Index3 low, high;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int64_t steps = steps_within(radius_, grid_.lattice_.scale[a]);
+      low[a] = std::max(box_.min[a] - steps, kLatticeMin);
+      high[a] = std::min(box_.max[a] + steps, kLatticeMax);
+    }
+    const int shift = std::max(common_shift(low, high), grid_.shift_);
+    const Key first = cell_of(encode_key(low), kLatticeBits - shift).first;
+    const auto begin = grid_.cells_.begin();
+    const auto from = std::lower_bound(begin, grid_.cells_.end(), first, before);
+    const auto to = std::lower_bound(from, grid_.cells_.end(), after_cell(first, shift), before);
+    descend_cells(decode_key(first), first, shift, static_cast<std::size_t>(from - begin),
+                  static_cast<std::size_t>(to - begin));
+  }
+
+ private:
+  static constexpr std::size_t kFewPoints = 32;  // not worth a search among
+
+  static bool before(const Entry& entry, const Key& key) { return entry.first < key; }
+
+  bool touches(const Index3& corner, int shift) const {
+    IndexBox cell{corner, corner};
+    for (std::int64_t& c : cell.max) c += (std::int64_t{1} << shift) - 1;
+    return distance_sq(grid_.lattice_, box_, cell) <= limit_;
+  }
+
+  static Index3 child(const Index3& corner, int shift, unsigned octant) {
+    const std::int64_t half = std::int64_t{1} << (shift - 1);
+    return {corner[0] + (octant & 1 ? half : 0), corner[1] + (octant & 2 ? half : 0),
+            corner[2] + (octant & 4 ? half : 0)};
+  }
+
+  void descend_cells(const Index3& corner, const Key& first, int shift, std::size_t from,
+                     std::size_t to) {
+    if (from == to || !touches(corner, shift)) return;
+    if (shift == grid_.shift_)
+      return descend_points(corner, first, shift, grid_.cells_[from].begin, grid_.end_of(from));
+    Key key = first;
+    for (unsigned octant = 0; octant < 8 && from < to; ++octant) {
+      const Key next = after_cell(key, shift - 1);
+      const auto begin = grid_.cells_.begin();
+      const auto end = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
+                                        begin + static_cast<std::ptrdiff_t>(to), next, before);
+      const auto split = static_cast<std::size_t>(end - begin);
+      descend_cells(child(corner, shift, octant), key, shift - 1, from, split);
+      from = split;
+      key = next;
+    }
+  }
+
+  void descend_points(const Index3& corner, const Key& first, int shift, std::size_t from,
+                      std::size_t to) {
+    if (from == to || !touches(corner, shift)) return;
+    const bool fine = std::ldexp(longest_step_, shift) <= radius_ / 2;
+    if (shift == 0 || fine || to - from <= kFewPoints) return add(from, to);
+    Key key = first;
+    for (unsigned octant = 0; octant < 8 && from < to; ++octant) {
+      const Key next = after_cell(key, shift - 1);
+      const auto rest = grid_.points_.subspan(from, to - from);
+      const auto end = std::ranges::lower_bound(rest, next, {}, encode_key);
+      const std::size_t split = from + static_cast<std::size_t>(end - rest.begin());
+      descend_points(child(corner, shift, octant), key, shift - 1, from, split);
+      from = split;
+      key = next;
+    }
+  }
+
+  void add(std::size_t from, std::size_t to) {
+    if (!out_.empty() && out_.back().end == from)
+      out_.back().end = to;
+    else
+      out_.push_back({from, to});
+  }
+
+  const CellGrid& grid_;
+  const IndexBox& box_;
+  double radius_, limit_, longest_step_;
+  std::vector<PointRange>& out_;
+};
+
+void CellGrid::gather_ranges(const IndexBox& box, double radius,
+                             std::vector<PointRange>& out) const {
+  out.clear();
+  if (!points_.empty()) BoxSearch(*this, box, radius, out).run();
 }
 
 /// One past the last copy of point i, in time logarithmic in their number.

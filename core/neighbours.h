@@ -26,6 +26,12 @@ struct Offsets {
   void clear();
 };
 
+/// Consecutive points of a cloud.
+struct PointRange {
+  std::size_t begin;
+  std::size_t end;
+};
+
 /// Power-of-two cells over points that are sorted by key.
 ///
 /// Every result depends only on the points within the ball that is asked for, never on the cell
@@ -47,6 +53,17 @@ class CellGrid {
   ///         radius; `out` allocates only while it grows.
   void gather(const Query& query, double radius, Offsets& out) const;
 
+  /// Replaces `out` by ascending ranges of points that hold all within `radius` of the box, and
+  /// as few others as cells allow.
+  ///
+  /// Requires: a box that is not empty.
+  /// Thread:   any number at once.
+  /// Cost:     searches in proportion to the cells that are touched.
+  void gather_ranges(const IndexBox& box, double radius, std::vector<PointRange>& out) const;
+
+  const Lattice& lattice() const { return lattice_; }
+  std::span<const Index3> points() const { return points_; }
+
   /// The distance from a position to the k-th nearest distinct position, its own excluded.
   ///
   /// Empty when fewer than k distinct positions lie within `cap` (distance <= cap), which may be
@@ -67,6 +84,7 @@ class CellGrid {
     std::uint32_t begin;
   };
 
+  class BoxSearch;
   template <class Visit>
   void visit_ball(const Query& query, double radius, Visit visit) const;
   template <class Nearest>

@@ -1,0 +1,221 @@
+// Every kernel, compiled once for each target that fuses multiplication and addition, and once
+// plainly with std::fma; the machine decides at run time which one is called.
+
+#include "core/simd/project.h"
+
+#include <cmath>
+
+// Without fused multiply-add a target would need other roundings than the rest.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSE4 | HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/simd/project.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include "core/simd/fit-inl.h"
+#include "core/simd/gather-inl.h"
+#include "core/simd/lanes-inl.h"
+#include "core/simd/plane-inl.h"
+#include "core/simd/result-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pss::HWY_NAMESPACE {
+
+/// Lanes on their way: filled one by one, computed together.
+template <class T>
+class Group {
+  using V = Vec<T>;
+
+ public:
+  Group(const simd::Batch& batch, simd::Workspace& workspace, std::vector<std::uint32_t>& rest)
+      : batch_(batch), w_(workspace), rest_(rest) {
+    w_.stage.reserve(sizeof(Stage<T>));
+  }
+
+  simd::LaneRow<T>& next_row(std::uint32_t query) {
+    rows()[lanes_].query = query;
+    return rows()[lanes_++];
+  }
+  bool full() const { return lanes_ == kLanes<T>; }
+
+  void compute() {
+    if (lanes_ == 0) return;
+    const Balls<T> balls = transposed();
+    switch (batch_.method.weight) {
+      case WeightKind::kGaussian:
+        project<WeightKind::kGaussian>(balls);
+        break;
+      case WeightKind::kWendland:
+        project<WeightKind::kWendland>(balls);
+        break;
+      case WeightKind::kPcl:
+        project<WeightKind::kPcl>(balls);
+        break;
+    }
+    lanes_ = 0;
+  }
+
+ private:
+  simd::LaneRow<T>* rows() {
+    if constexpr (sizeof(T) == 4)
+      return w_.single;
+    else
+      return w_.twice;
+  }
+
+  Balls<T> transposed() {
+    std::size_t steps = 1;
+    for (std::size_t l = 0; l < lanes_; ++l) steps = std::max(steps, rows()[l].count);
+    const std::size_t size = steps * kLanes<T>;
+    w_.balls.reserve(3 * size * sizeof(T));
+    T* const x = reinterpret_cast<T*>(w_.balls.data());
+    T* const y = x + size;
+    T* const z = y + size;
+    for (std::size_t l = 0; l < kLanes<T>; ++l) {
+      const simd::LaneRow<T>& row = rows()[l];
+      const std::size_t count = l < lanes_ ? row.count : 0;
+      transpose(row.x.data(), count, l, steps, T(kFarAway), x);
+      transpose(row.y.data(), count, l, steps, T(kFarAway), y);
+      transpose(row.z.data(), count, l, steps, T(kFarAway), z);
+    }
+    return {x, y, z, steps};
+  }
+
+  /// R / h of each lane, cut to where the weights of a Gaussian vanish.
+  V radii() {
+    alignas(64) T radius[kLanes<T>];
+    for (std::size_t l = 0; l < kLanes<T>; ++l) {
+      const Support& support = batch_.support(rows()[l < lanes_ ? l : 0].query);
+      radius[l] = static_cast<T>(std::min(support.radius / support.h, TaperedGaussian::kWidest));
+    }
+    return load(radius);
+  }
+
+  template <WeightKind kKind>
+  void project(const Balls<T>& balls) {
+    const V radius = radii();
+    const WeightLanes<T, kKind> weight(radius);
+    const auto lanes = hn::FirstN(Tag<T>(), lanes_);
+    Stage<T>& stage = *reinterpret_cast<Stage<T>*>(w_.stage.data());
+    const Planes<T> plane = batch_.method.op == MlsOperator::kFast
+                                ? settled_planes<T>(balls, weight, lanes)
+                                : newton_planes<T>(balls, weight, lanes, stage);
+    if (hn::AllFalse(Tag<T>(), plane.easy)) return refuse_all();
+    const Axes<V> axes = axes_of(plane.n);
+    const V zero = set(T{0});
+    const Maps<T> map = fit<T>(batch_.method.degree, balls, weight, radius, axes,
+                               Vec3<V>{zero, zero, plane.t}, stage);
+    const Outcomes<T> outcomes = describe<T>(plane, axes, map);
+    for (std::size_t l = 0; l < lanes_; ++l) {
+      const std::uint32_t query = rows()[l].query;
+      if (!outcomes.write(l, batch_.support(query).h, batch_.method.degree, batch_.results[query]))
+        rest_.push_back(query);
+    }
+  }
+
+  void refuse_all() {
+    for (std::size_t l = 0; l < lanes_; ++l) rest_.push_back(rows()[l].query);
+  }
+
+  const simd::Batch& batch_;
+  simd::Workspace& w_;
+  std::vector<std::uint32_t>& rest_;
+  std::size_t lanes_ = 0;
+};
+
+/// Consecutive queries that share their candidates: a small box, not too many.
+class Run {
+ public:
+  static constexpr std::size_t kMost = 64;
+
+  Run(const simd::Batch& batch, std::span<const std::uint32_t> which) : batch_(batch) {
+    for (const std::uint32_t i : which) {
+      if (count_ == kMost || !add(i)) break;
+      ++count_;
+    }
+  }
+
+  std::size_t count() const { return count_; }
+  const IndexBox& box() const { return box_; }
+  double reach() const { return reach_ + rest_; }
+  bool exact() const { return rest_ == 0; }
+
+ private:
+  bool add(std::uint32_t i) {
+    const Query& query = batch_.queries[i];
+    const double wanted = pss::reach(batch_.method.weight, batch_.support(i));
+    IndexBox box = box_;
+    box.add(query.position);
+    if (count_ > 0) {
+      const double span = std::min(reach_, wanted);
+      for (std::size_t a = 0; a < 3; ++a)
+        if (static_cast<double>(box.max[a] - box.min[a]) * batch_.grid.lattice().scale[a] > span)
+          return false;
+    }
+    box_ = box;
+    reach_ = std::max(reach_, wanted);
+    const World3& r = query.remainder;
+    rest_ = std::max(rest_, std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
+    return true;
+  }
+
+  const simd::Batch& batch_;
+  IndexBox box_;
+  double reach_ = 0;
+  double rest_ = 0;  // the largest remainder
+  std::size_t count_ = 0;
+};
+
+template <class T>
+void project_in(const simd::Batch& batch, std::span<const std::uint32_t> which,
+                simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
+  Group<T> group(batch, workspace, rest);
+  RunCandidates candidates(batch, workspace);
+  while (!which.empty()) {
+    const Run run(batch, which);
+    candidates.collect(run.box(), run.reach(), run.exact());
+    for (const std::uint32_t i : which.first(run.count())) {
+      const double reach = pss::reach(batch.method.weight, batch.support(i));
+      candidates.filter<T>({batch.queries[i], batch.support(i).h, reach * reach},
+                           group.next_row(i));
+      if (group.full()) group.compute();
+    }
+    which = which.subspan(run.count());
+  }
+  group.compute();
+}
+
+void project_single(const simd::Batch& batch, std::span<const std::uint32_t> which,
+                    simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
+  project_in<float>(batch, which, workspace, rest);
+}
+
+void project_double(const simd::Batch& batch, std::span<const std::uint32_t> which,
+                    simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
+  project_in<double>(batch, which, workspace, rest);
+}
+
+}  // namespace pss::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pss {
+
+HWY_EXPORT(project_single);
+HWY_EXPORT(project_double);
+
+namespace simd {
+
+void project_single(const Batch& batch, std::span<const std::uint32_t> which, Workspace& workspace,
+                    std::vector<std::uint32_t>& rest) {
+  HWY_DYNAMIC_DISPATCH(pss::project_single)(batch, which, workspace, rest);
+}
+
+void project_double(const Batch& batch, std::span<const std::uint32_t> which, Workspace& workspace,
+                    std::vector<std::uint32_t>& rest) {
+  HWY_DYNAMIC_DISPATCH(pss::project_double)(batch, which, workspace, rest);
+}
+
+}  // namespace simd
+}  // namespace pss
+#endif
