@@ -14,6 +14,14 @@ constexpr int kMostNearest = 10000;
 constexpr double kWidthsPerSpacing = 2;  ///< h over the spacing, without noise
 constexpr double kCapSpacings = 10;      ///< default cap of the distance to a k-th neighbour
 
+/// Of the fit that gives normals: a plane's noise, without a plane's bias where the surface bends.
+constexpr int kNormalsDegree = 2;
+
+/// The default radius over h.
+double factor_of(const Method& method) {
+  return radius_factor(needs_normals(method.op) ? kNormalsDegree : method.degree);
+}
+
 Error usage(std::string message) { return {Fault::kUsage, std::move(message)}; }
 
 Result<void> check_widths(const MlsOptions& options) {
@@ -43,19 +51,19 @@ Result<void> check_lattice(const Lattice& lattice) {
 
 }  // namespace
 
-Result<void> check_options(const MlsOptions& options, bool with_normals) {
-  const Method& method = options.method;
-  if (method.degree < 0 || method.degree > 4)
-    return usage(fmt::format("degree: found {}, expected 0 to 4", method.degree));
-  if (needs_normals(method.op) && !with_normals)
-    return usage(fmt::format("{}: found no normals, expected one for each point; levin gives them",
-                             name_of(method.op)));
+Result<void> check_options(const MlsOptions& options) {
+  if (options.method.degree < 0 || options.method.degree > 4)
+    return usage(fmt::format("degree: found {}, expected 0 to 4", options.method.degree));
   if (options.lattice) PSS_TRY(check_lattice(*options.lattice));
   return check_widths(options);
 }
 
+Method method_for_normals(const Method& method) {
+  return {MlsOperator::kLevin, method.weight, method.precision, kNormalsDegree};
+}
+
 Support support_of_radius(double radius, const Method& method) {
-  return {radius / radius_factor(method.degree), radius};
+  return {radius / factor_of(method), radius};
 }
 
 double widest_reach(const MlsWidths& widths, const Method& method) {
@@ -64,7 +72,7 @@ double widest_reach(const MlsWidths& widths, const Method& method) {
 }
 
 MlsWidths choose_widths(const MlsOptions& options, const SortedCloud& cloud) {
-  const double factor = radius_factor(options.method.degree);
+  const double factor = factor_of(options.method);
   const auto spacings = [&](double count) { return count * spacing_of(cloud).value_or(0); };
   MlsWidths widths;
   widths.nearest = options.knn;

@@ -14,11 +14,12 @@ namespace pss {
 /// Which surface, and how wide it looks; lengths in the units of the points.
 ///
 /// With neither h nor radius nor knn, h is twice the measured spacing. That suits little noise: for
-/// noise of 0.1 to 0.3 spacings choose an h of 4 to 6 spacings.
+/// noise of 0.1 to 0.3 spacings choose an h of 4 to 6 spacings. `method.degree` has no meaning for
+/// apss and rimls.
 struct MlsOptions {
   Method method;
   double h = 0;       ///< width of the weight; 0: from `radius`
-  double radius = 0;  ///< where the weight ends, at least h; 0: radius_factor(degree) * h
+  double radius = 0;  ///< where the weight ends, at least h; 0: 3 h, and 4 h for degree 4
   int knn = 0;        ///< each query's radius is the distance to this neighbour, at most `radius`
                       ///< (0: 10 spacings); h is not given then
   std::optional<Lattice> lattice;  ///< that the points stand on; by default a fine one around them
@@ -31,13 +32,16 @@ struct MlsWidths {
   double cap = 0;   ///< of that distance
 };
 
-/// Errors: kUsage for options that make no sense, or an operator without the normals it needs.
-Result<void> check_options(const MlsOptions& options, bool with_normals);
+/// Errors: kUsage for options that make no sense.
+Result<void> check_options(const MlsOptions& options);
 
 /// All zeros where a spacing is needed and the cloud has none.
 ///
 /// Requires: checked options.
 MlsWidths choose_widths(const MlsOptions& options, const SortedCloud& cloud);
+
+/// The projection that gives the points the normals that `method` needs, where there are none.
+Method method_for_normals(const Method& method);
 
 /// The support of a query whose radius is given.
 Support support_of_radius(double radius, const Method& method);

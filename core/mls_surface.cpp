@@ -45,10 +45,25 @@ struct Batch {
 
 Result<MlsSurface> MlsSurface::create(std::span<const World3> points, const MlsOptions& options,
                                       const CloudNormals& normals) {
-  PSS_TRY(check_options(options, !normals.values.empty() || points.empty()));
+  PSS_TRY(check_options(options));
   PSS_ASSIGN(SortedCloud cloud, sort_cloud(points, normals.values, options.lattice));
   const MlsWidths widths = choose_widths(options, cloud);
-  return MlsSurface(std::move(cloud), normals.oriented, options.method, widths);
+  if (needs_normals(options.method.op) && cloud.normals.empty())
+    cloud = with_normals(std::move(cloud), method_for_normals(options.method), widths);
+  const bool oriented = normals.oriented && !normals.values.empty();
+  return MlsSurface(std::move(cloud), oriented, options.method, widths);
+}
+
+/// The cloud with the normals of the surface that `method` makes of it; zeros where a point stays.
+SortedCloud MlsSurface::with_normals(SortedCloud cloud, const Method& method,
+                                     const MlsWidths& widths) {
+  MlsSurface surface(std::move(cloud), false, method, widths);
+  std::vector<Normal> normals(surface.size());
+  surface.for_each_point([&](std::size_t i, const Projection& projection) {
+    for (std::size_t a = 0; a < 3; ++a) normals[i][a] = static_cast<float>(projection.normal[a]);
+  });
+  surface.cloud_.normals = std::move(normals);
+  return std::move(surface.cloud_);
 }
 
 MlsSurface::MlsSurface(SortedCloud cloud, bool oriented, const Method& method,
@@ -120,6 +135,17 @@ void MlsSurface::for_each_projection(std::size_t count, QueryAt query_at, Use us
       use(i, slot == Batch::kNone ? lonely() : found[slot]);
     }
   });
+}
+
+/// Calls use(i, projection) for the cloud's points in key order.
+template <class Use>
+void MlsSurface::for_each_point(Use use) const {
+  for_each_projection(
+      size(),
+      [&](std::size_t i) {
+        return Query{cloud_.points[i], {}};
+      },
+      use);
 }
 
 void MlsSurface::project(std::span<const World3> queries, std::span<World3> positions,

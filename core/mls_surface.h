@@ -31,7 +31,8 @@ class MlsSurface {
  public:
   /// Sorts the points and prepares the search for neighbours.
   ///
-  /// Shape:  `normals` (in the order of `points`) are needed where needs_normals(method.op).
+  /// Shape:  `normals` in the order of `points`, or none: where the operator needs them, a first
+  ///         pass of levin computes them.
   /// Errors: kUsage for options that make no sense; kBadInput as sort_cloud().
   /// Thread: one.
   /// Cost:   O(n log n); keeps 28 to 40 bytes a point and some for the search.
@@ -68,12 +69,15 @@ class MlsSurface {
 
  private:
   MlsSurface(SortedCloud cloud, bool oriented, const Method& method, const MlsWidths& widths);
+  static SortedCloud with_normals(SortedCloud cloud, const Method& method, const MlsWidths& widths);
   Query query_at(const World3& place) const;
   std::optional<Support> support_of(const Query& query) const;
   bool in_reach(const World3& place) const;
   Projection lonely() const;
   template <class QueryAt, class Use>
   void for_each_projection(std::size_t count, QueryAt query_at, Use use) const;
+  template <class Use>
+  void for_each_point(Use use) const;
 
   SortedCloud cloud_;
   bool oriented_;

@@ -105,6 +105,9 @@ Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const N
       return normals[a.index] < normals[b.index];
     return a.index < b.index;
   });
+  cloud.points.reserve(points.size());
+  cloud.order.reserve(points.size());
+  cloud.normals.reserve(normals.size());
   for (const Entry& entry : entries) {
     cloud.points.push_back(decode_key(entry.key));
     cloud.order.push_back(entry.index);

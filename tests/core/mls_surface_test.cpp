@@ -275,8 +275,6 @@ INSTANTIATE_TEST_SUITE_P(MlsSurface, SenselessOptions,
                                          MlsOptions{.knn = 10001}, MlsOptions{.h = 1, .knn = 5},
                                          MlsOptions{.method = {.degree = 5}},
                                          MlsOptions{.method = {.degree = -1}},
-                                         MlsOptions{.method = {.op = MlsOperator::kApss}},
-                                         MlsOptions{.method = {.op = MlsOperator::kRimls}},
                                          MlsOptions{.lattice = Lattice{{0, 1, 1}, {0, 0, 0}}},
                                          MlsOptions{.lattice = Lattice{{1, 1, 1}, {0, kNaN, 0}}}));
 
@@ -284,6 +282,23 @@ TEST_P(SenselessOptions, AreAUsageError) {
   const Result<MlsSurface> surface = MlsSurface::create(small_square(), GetParam());
   ASSERT_FALSE(surface);
   EXPECT_EQ(surface.error().fault, Fault::kUsage);
+}
+
+/// The surface by an operator with normals that were computed, and with the same ones given.
+class OperatorsWithNormals : public testing::TestWithParam<MlsOperator> {};
+INSTANTIATE_TEST_SUITE_P(MlsSurface, OperatorsWithNormals,
+                         testing::Values(MlsOperator::kApss, MlsOperator::kRimls));
+
+TEST_P(OperatorsWithNormals, ComputeThoseThatAreNotGiven) {
+  const std::vector<World3> points = noisy_torus(0.1, 0.01);
+  std::vector<Normal> normals;
+  for (const Projection& p : results_of(points, {.method = {.degree = 2}, .h = 0.2}))
+    normals.push_back({static_cast<float>(p.normal[0]), static_cast<float>(p.normal[1]),
+                       static_cast<float>(p.normal[2])});
+  const MlsOptions options{.method = {.op = GetParam()}, .h = 0.2};
+  const Projected computed = smooth(points, options).value();
+  const Projected given = smooth(points, options, {normals}).value();
+  EXPECT_EQ(differing(computed.results, given.results), 0u);
 }
 
 TEST(MlsSurface, IsNotMadeOfPointsThatAreNotFinite) {

@@ -1,14 +1,25 @@
 #!/usr/bin/env bash
-# Installs the build folder $1 to an empty prefix; builds and runs the consumer in $2 against it.
+# Installs the build folder $1 to an empty prefix; builds and runs against it the consumer in $2, and
+# the documented example in $3, which needs no library that core does not need.
 set -euo pipefail
 build=$1
-source=$2
+consumer=$2
+example=$3
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
+# build_against_prefix SOURCE BUILD [OPTION...]
+build_against_prefix() {
+  cmake -G Ninja -S "$1" -B "$2" -DCMAKE_PREFIX_PATH="$folder/prefix" \
+    -DCMAKE_BUILD_TYPE=Release "${@:3}" >>"$folder/log" || { cat "$folder/log"; exit 1; }
+  cmake --build "$2" >>"$folder/log" || { cat "$folder/log"; exit 1; }
+}
+
 cmake --install "$build" --prefix "$folder/prefix" >"$folder/log"
-cmake -G Ninja -S "$source" -B "$folder/build" -DCMAKE_PREFIX_PATH="$folder/prefix" \
-  -DCMAKE_BUILD_TYPE=Release >>"$folder/log" || { cat "$folder/log"; exit 1; }
-cmake --build "$folder/build" >>"$folder/log" || { cat "$folder/log"; exit 1; }
-"$folder/build/consumer"
+build_against_prefix "$consumer" "$folder/consumer"
+"$folder/consumer/consumer"
+build_against_prefix "$example" "$folder/example" --no-warn-unused-cli \
+  -DCMAKE_DISABLE_FIND_PACKAGE_LZ4=ON -DCMAKE_DISABLE_FIND_PACKAGE_xxHash=ON \
+  -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON
+"$folder/example/smooth_sphere"
 "$folder/prefix/bin/pss" --version
