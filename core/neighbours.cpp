@@ -15,7 +15,7 @@ namespace {
 /// Points a cell on average, at least: what keeps the table small beside the points.
 constexpr std::size_t kPointsPerCell = 8;
 /// How many times cells are halved below the size that suits a single ball.
-constexpr int kFiner = 2;
+constexpr int kFiner = 1;
 
 /// The side, as a power of two, of the smallest cell that holds both positions.
 int common_shift(const Index3& a, const Index3& b) {
@@ -128,7 +128,7 @@ CellGrid::CellGrid(const Lattice& lattice, std::span<const Index3> points, doubl
   assert(points.size() < std::numeric_limits<std::uint32_t>::max());
   assert(std::ranges::is_sorted(points, {}, encode_key));
   if (points.empty()) return;
-  // A quarter of the cells that one ball would like best: many balls together use smaller ones.
+  // Finer cells than one ball would like best: many balls together use smaller ones.
   const int best = BallBox(lattice, {points[points.size() / 2]}, radius).shift();
   shift_ = affordable_shift(points, std::max(best - kFiner, 0));
   std::size_t count = 1;
@@ -201,37 +201,70 @@ class CellGrid::BoxSearch {
  public:
   BoxSearch(const CellGrid& grid, const IndexBox& box, double radius, std::vector<PointRange>& out)
       : grid_(grid),
-        box_(box),
         radius_(radius),
-        limit_(radius * radius * (1 + kSlack)),
         longest_step_(std::ranges::max(grid.lattice_.scale)),
-        out_(out) {}
-
-  void run() {
-    Index3 low, high;
+        out_(out) {
     for (std::size_t a = 0; a < 3; ++a) {
       const std::int64_t steps = steps_within(radius_, grid_.lattice_.scale[a]);
-      low[a] = std::max(box_.min[a] - steps, kLatticeMin);
-      high[a] = std::min(box_.max[a] + steps, kLatticeMax);
+      low_[a] = std::max(box.min[a] - steps, kLatticeMin);
+      high_[a] = std::min(box.max[a] + steps, kLatticeMax);
     }
-    const int shift = std::max(common_shift(low, high), grid_.shift_);
-    const Key first = cell_of(encode_key(low), kLatticeBits - shift).first;
-    const auto begin = grid_.cells_.begin();
-    const auto from = std::lower_bound(begin, grid_.cells_.end(), first, before);
-    const auto to = std::lower_bound(from, grid_.cells_.end(), after_cell(first, shift), before);
-    descend_cells(decode_key(first), first, shift, static_cast<std::size_t>(from - begin),
-                  static_cast<std::size_t>(to - begin));
+  }
+
+  /// Starts from the cells of which the box touches two along each axis at most: from further up,
+  /// most of the walk would be the way down to them.
+  void run() {
+    int shift = grid_.shift_;
+    for (std::size_t a = 0; a < 3; ++a)
+      while ((biased(high_[a]) >> shift) - (biased(low_[a]) >> shift) > 1) ++shift;
+    std::array<Key, 8> starts;
+    const std::size_t count = starting_cells(shift, starts);
+    const auto cells = std::span(grid_.cells_);
+    std::size_t from = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      from += index_of(cells.subspan(from), starts[i]);
+      const std::size_t to = from + index_of(cells.subspan(from), after_cell(starts[i], shift));
+      if (from < to) descend_cells(decode_key(starts[i]), starts[i], shift, from, to);
+      from = to;
+    }
   }
 
  private:
   static constexpr std::size_t kFewPoints = 32;  // not worth a search among
 
-  static bool before(const Entry& entry, const Key& key) { return entry.first < key; }
+  static std::size_t index_of(std::span<const Entry> cells, const Key& key) {
+    const auto before = [](const Entry& entry, const Key& k) { return entry.first < k; };
+    return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), key, before) -
+                                    cells.begin());
+  }
+
+  /// The first keys of the cells of side 2^shift that the box touches, in order.
+  std::size_t starting_cells(int shift, std::array<Key, 8>& starts) const {
+    std::size_t count = 0;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      Index3 corner;
+      bool twice = false;  // the same cell as of an earlier octant
+      for (std::size_t a = 0; a < 3; ++a) {
+        const bool upper = octant >> a & 1;
+        const std::uint64_t cell = biased(upper ? high_[a] : low_[a]) >> shift;
+        twice |= upper && cell == biased(low_[a]) >> shift;
+        corner[a] = static_cast<std::int64_t>(cell << shift) + kLatticeMin;
+      }
+      if (twice) continue;
+      const Key key = encode_key(corner);
+      std::size_t at = count++;
+      for (; at > 0 && key < starts[at - 1]; --at) starts[at] = starts[at - 1];
+      starts[at] = key;
+    }
+    return count;
+  }
 
   bool touches(const Index3& corner, int shift) const {
-    IndexBox cell{corner, corner};
-    for (std::int64_t& c : cell.max) c += (std::int64_t{1} << shift) - 1;
-    return distance_sq(grid_.lattice_, box_, cell) <= limit_;
+    const std::int64_t side = std::int64_t{1} << shift;
+    bool apart = false;
+    for (std::size_t a = 0; a < 3; ++a)
+      apart |= corner[a] > high_[a] || corner[a] + side <= low_[a];
+    return !apart;
   }
 
   static Index3 child(const Index3& corner, int shift, unsigned octant) {
@@ -240,39 +273,55 @@ class CellGrid::BoxSearch {
             corner[2] + (octant & 4 ? half : 0)};
   }
 
-  void descend_cells(const Index3& corner, const Key& first, int shift, std::size_t from,
-                     std::size_t to) {
-    if (from == to || !touches(corner, shift)) return;
-    if (shift == grid_.shift_)
-      return descend_points(corner, first, shift, grid_.cells_[from].begin, grid_.end_of(from));
+  /// Calls go on for the octants that the box touches, with the items of [from, to) in each, where
+  /// find(key, from, to) is the first item not before a key.
+  template <class Find, class GoOn>
+  void for_each_octant(const Index3& corner, const Key& first, int shift, std::size_t from,
+                       std::size_t to, Find find, GoOn go_on) {
     Key key = first;
+    bool aligned = true;  // `from` is where the octant begins
     for (unsigned octant = 0; octant < 8 && from < to; ++octant) {
       const Key next = after_cell(key, shift - 1);
-      const auto begin = grid_.cells_.begin();
-      const auto end = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
-                                        begin + static_cast<std::ptrdiff_t>(to), next, before);
-      const auto split = static_cast<std::size_t>(end - begin);
-      descend_cells(child(corner, shift, octant), key, shift - 1, from, split);
-      from = split;
+      const Index3 at = child(corner, shift, octant);
+      if (touches(at, shift - 1)) {
+        if (!aligned) from = find(key, from, to);
+        const std::size_t end = find(next, from, to);
+        if (from < end) go_on(at, key, from, end);
+        from = end;
+        aligned = true;
+      } else {
+        aligned = false;
+      }
       key = next;
     }
   }
 
+  void descend_cells(const Index3& corner, const Key& first, int shift, std::size_t from,
+                     std::size_t to) {
+    if (shift == grid_.shift_)
+      return descend_points(corner, first, shift, grid_.cells_[from].begin, grid_.end_of(from));
+    const auto find = [&](const Key& key, std::size_t low, std::size_t high) {
+      return low + index_of(std::span(grid_.cells_).subspan(low, high - low), key);
+    };
+    for_each_octant(corner, first, shift, from, to, find,
+                    [&](const Index3& at, const Key& key, std::size_t low, std::size_t high) {
+                      descend_cells(at, key, shift - 1, low, high);
+                    });
+  }
+
   void descend_points(const Index3& corner, const Key& first, int shift, std::size_t from,
                       std::size_t to) {
-    if (from == to || !touches(corner, shift)) return;
-    const bool fine = std::ldexp(longest_step_, shift) <= radius_ / 2;
+    const bool fine = longest_step_ * static_cast<double>(std::int64_t{1} << shift) <= radius_ / 2;
     if (shift == 0 || fine || to - from <= kFewPoints) return add(from, to);
-    Key key = first;
-    for (unsigned octant = 0; octant < 8 && from < to; ++octant) {
-      const Key next = after_cell(key, shift - 1);
-      const auto rest = grid_.points_.subspan(from, to - from);
-      const auto end = std::ranges::lower_bound(rest, next, {}, encode_key);
-      const std::size_t split = from + static_cast<std::size_t>(end - rest.begin());
-      descend_points(child(corner, shift, octant), key, shift - 1, from, split);
-      from = split;
-      key = next;
-    }
+    const auto find = [&](const Key& key, std::size_t low, std::size_t high) {
+      const auto rest = grid_.points_.subspan(low, high - low);
+      return low + static_cast<std::size_t>(std::ranges::lower_bound(rest, key, {}, encode_key) -
+                                            rest.begin());
+    };
+    for_each_octant(corner, first, shift, from, to, find,
+                    [&](const Index3& at, const Key& key, std::size_t low, std::size_t high) {
+                      descend_points(at, key, shift - 1, low, high);
+                    });
   }
 
   void add(std::size_t from, std::size_t to) {
@@ -283,8 +332,8 @@ class CellGrid::BoxSearch {
   }
 
   const CellGrid& grid_;
-  const IndexBox& box_;
-  double radius_, limit_, longest_step_;
+  Index3 low_, high_;  // the box with `radius` around it
+  double radius_, longest_step_;
   std::vector<PointRange>& out_;
 };
 

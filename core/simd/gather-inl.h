@@ -7,6 +7,7 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 
@@ -25,6 +26,9 @@ struct Seeker {
 
 /// The candidates of a run of neighbouring queries, in steps from the run's first position: exact
 /// integers, in 32 bits where they fit and the run has no remainders, otherwise in doubles.
+///
+/// They lie in chunks of consecutive points, each with its box: a query looks at the chunks whose
+/// box its ball may touch, whole vectors at a time.
 class RunCandidates {
  public:
   RunCandidates(const simd::Batch& batch, simd::Workspace& workspace)
@@ -35,32 +39,36 @@ class RunCandidates {
     grid_.gather_ranges(box, reach, w_.ranges);
     count_ = 0;
     for (const PointRange& range : w_.ranges) count_ += range.end - range.begin;
+    chunks_ = (count_ + kChunk - 1) / kChunk;
     anchor_ = box.min;
-    narrow_ = exact && fits(box);
-    if (narrow_) narrow_ = copy(w_.narrow_x, w_.narrow_y, w_.narrow_z);
-    if (!narrow_) copy(w_.wide_x, w_.wide_y, w_.wide_z);
+    narrow_ = exact && fits(box) && copy(w_.narrow);
+    if (!narrow_) copy(w_.wide);
     if (needs_normals(batch_.method.op)) copy_normals();
+    w_.touched.reserve(chunks_ + kChunk);
   }
 
   /// Appends what lies within reach of the query to an empty row, in units of h.
   template <class T>
   void filter(const Seeker& seeker, simd::LaneRow<T>& row) const {
     row.count = 0;
-    if constexpr (sizeof(T) == 4) {
-      if (narrow_) return filter_narrow(seeker, row);
-      filter_wide(seeker, row);
+    const std::size_t touched =
+        narrow_ ? touch<float>(w_.narrow, seeker) : touch<double>(w_.wide, seeker);
+    row.reserve(touched * kChunk + kPadding, needs_normals(batch_.method.op));
+    if constexpr (sizeof(T) == 8) {
+      narrow_ ? filter_doubles(w_.narrow, touched, seeker, row)
+              : filter_doubles(w_.wide, touched, seeker, row);
     } else {
-      narrow_
-          ? filter_doubles(w_.narrow_x.data(), w_.narrow_y.data(), w_.narrow_z.data(), seeker, row)
-          : filter_doubles(w_.wide_x.data(), w_.wide_y.data(), w_.wide_z.data(), seeker, row);
+      narrow_ ? filter_narrow(touched, seeker, row) : filter_wide(touched, seeker, row);
     }
+    bring_near(seeker, row);
   }
 
  private:
   static constexpr std::int64_t kMostSteps = std::int64_t{1} << 30;
+  static constexpr std::size_t kChunk = simd::kChunk;
   static constexpr std::size_t kPadding = 16;
 
-  bool fits(const IndexBox& box) const {
+  static bool fits(const IndexBox& box) {
     for (std::size_t a = 0; a < 3; ++a)
       if (box.max[a] - box.min[a] >= kMostSteps) return false;
     return true;
@@ -68,37 +76,97 @@ class RunCandidates {
 
   /// Copies coordinates relative to the anchor; false where one does not fit the type.
   template <class I>
-  bool copy(simd::Buffer<I>& x, simd::Buffer<I>& y, simd::Buffer<I>& z) {
-    x.reserve(count_ + kPadding);
-    y.reserve(count_ + kPadding);
-    z.reserve(count_ + kPadding);
-    I* const px = x.data();
-    I* const py = y.data();
-    I* const pz = z.data();
+  bool copy(simd::CandidateChunks<I>& to) {
+    to.reserve(chunks_);
+    std::array<I*, 3> out{to.x.data(), to.y.data(), to.z.data()};
     const Index3* const points = grid_.points().data();
-    const Index3 anchor = anchor_;
     std::uint64_t beyond = 0;
     std::size_t k = 0;
     for (const PointRange& range : w_.ranges)
-      for (std::size_t i = range.begin; i < range.end; ++i, ++k) {
-        const std::int64_t dx = points[i][0] - anchor[0];
-        const std::int64_t dy = points[i][1] - anchor[1];
-        const std::int64_t dz = points[i][2] - anchor[2];
-        beyond |=
-            static_cast<std::uint64_t>((dx + kMostSteps) | (dy + kMostSteps) | (dz + kMostSteps));
-        px[k] = static_cast<I>(dx);
-        py[k] = static_cast<I>(dy);
-        pz[k] = static_cast<I>(dz);
-      }
-    std::fill_n(px + k, kPadding, I{0});
-    std::fill_n(py + k, kPadding, I{0});
-    std::fill_n(pz + k, kPadding, I{0});
+      for (std::size_t i = range.begin; i < range.end; ++i, ++k)
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::int64_t steps = points[i][a] - anchor_[a];
+          beyond |= static_cast<std::uint64_t>(steps + kMostSteps);
+          out[a][k] = static_cast<I>(steps);
+        }
+    // The last chunk is filled up with its last point, whose copies a mask leaves out.
+    for (; k > 0 && k < chunks_ * kChunk; ++k)
+      for (std::size_t a = 0; a < 3; ++a) out[a][k] = out[a][k - 1];
+    for (std::size_t a = 0; a < 3; ++a) bound(out[a], to.low[a].data(), to.high[a].data());
     return beyond < static_cast<std::uint64_t>(2 * kMostSteps);
+  }
+
+  /// The least and the greatest of each chunk.
+  template <class I>
+  void bound(const I* values, I* low, I* high) const {
+    for (std::size_t c = 0; c < chunks_; ++c, values += kChunk) {
+      I least = values[0], most = values[0];
+      for (std::size_t i = 1; i < kChunk; ++i) {
+        least = values[i] < least ? values[i] : least;
+        most = values[i] > most ? values[i] : most;
+      }
+      low[c] = least;
+      high[c] = most;
+    }
+  }
+
+  /// Lists the chunks whose box the query's ball may touch; returns how many.
+  ///
+  /// In T, with room for its rounding: what is decided here only saves work.
+  template <class T, class I>
+  HWY_INLINE std::size_t touch(const simd::CandidateChunks<I>& chunks, const Seeker& seeker) const {
+    const Tag<T> d;
+    const hn::Rebind<I, Tag<T>> di;
+    const hn::RebindToSigned<Tag<T>> index;
+    using Id = hn::TFromD<decltype(index)>;
+    const Lattice& lattice = grid_.lattice();
+    const World3& rest = seeker.query.remainder;
+    const Vec<T> zero = set(T{0});
+    const Vec<T> limit = set(static_cast<T>(seeker.reach_sq * (1 + 1e-5)));
+    Id* const out = reinterpret_cast<Id*>(w_.touched.data());
+    std::size_t count = 0;
+    for (std::size_t c = 0; c < chunks_; c += kLanes<T>) {
+      Vec<T> sum = zero;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto q = hn::Set(di, static_cast<I>(relative(seeker, a)));
+        const auto below = hn::LoadU(di, chunks.low[a].data() + c) - q;
+        const auto above = q - hn::LoadU(di, chunks.high[a].data() + c);
+        const auto gap = as<T>(hn::Max(below, above));
+        const Vec<T> scale = set(static_cast<T>(lattice.scale[a]));
+        const Vec<T> slack = set(static_cast<T>(std::abs(rest[a])));
+        const Vec<T> distance = hn::Max(gap * scale - slack, zero);
+        sum = fma(distance, distance, sum);
+      }
+      auto mask = sum <= limit;
+      if (c + kLanes < T >> chunks_) mask = hn::And(mask, hn::FirstN(d, chunks_ - c));
+      const auto ids = hn::Iota(index, static_cast<Id>(c));
+      hn::StoreU(hn::Compress(ids, hn::RebindMask(index, mask)), index, out + count);
+      count += hn::CountTrue(d, mask);
+    }
+    return count;
+  }
+
+  template <class T>
+  HWY_INLINE static Vec<T> as(Vec<T> v) {
+    return v;
+  }
+  template <class T>
+  HWY_INLINE static Vec<T> as(hn::Vec<hn::Rebind<std::int32_t, Tag<float>>> v) {
+    return hn::ConvertTo(Tag<T>(), v);
+  }
+
+  /// Where the n-th touched chunk begins among the candidates.
+  template <class Id>
+  std::size_t chunk_begin(std::size_t n) const {
+    return static_cast<std::size_t>(reinterpret_cast<const Id*>(w_.touched.data())[n]) * kChunk;
+  }
+  std::size_t chunk_begin(std::size_t n) const {
+    return narrow_ ? chunk_begin<std::int32_t>(n) : chunk_begin<std::int64_t>(n);
   }
 
   void copy_normals() {
     for (auto* buffer : {&w_.normal_x, &w_.normal_y, &w_.normal_z})
-      buffer->reserve(count_ + kPadding);
+      buffer->reserve(chunks_ * kChunk);
     std::size_t k = 0;
     for (const PointRange& range : w_.ranges)
       for (std::size_t i = range.begin; i < range.end; ++i, ++k) {
@@ -121,30 +189,18 @@ class RunCandidates {
     return seeker.query.position[axis] - anchor_[axis];
   }
 
-  template <class T>
-  static void grow(simd::LaneRow<T>& row, std::size_t count) {
-    for (auto* buffer : {&row.x, &row.y, &row.z}) buffer->reserve(count, row.count);
-  }
-
-  template <class T>
-  static void grow_normals(simd::LaneRow<T>& row, std::size_t count) {
-    for (auto* buffer : {&row.nx, &row.ny, &row.nz}) buffer->reserve(count, row.count);
-  }
-
   /// Keeps the normals of the candidates from k on that the mask names.
   template <class D, class M>
-  HWY_INLINE void keep_normals(D d, M mask, std::size_t k, simd::LaneRow<float>& row) const {
-    grow_normals(row, row.count + kPadding);
-    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_x.data() + k), mask), d,
-               row.nx.data() + row.count);
-    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_y.data() + k), mask), d,
-               row.ny.data() + row.count);
-    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_z.data() + k), mask), d,
-               row.nz.data() + row.count);
+  HWY_INLINE void keep_normals(D d, M mask, std::size_t k, std::size_t count,
+                               simd::LaneRow<float>& row) const {
+    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_x.data() + k), mask), d, row.nx.data() + count);
+    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_y.data() + k), mask), d, row.ny.data() + count);
+    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_z.data() + k), mask), d, row.nz.data() + count);
   }
 
   /// 32-bit steps to single coordinates: the decision in single too, except near the boundary.
-  HWY_INLINE void filter_narrow(const Seeker& seeker, simd::LaneRow<float>& row) const {
+  HWY_INLINE void filter_narrow(std::size_t touched, const Seeker& seeker,
+                                simd::LaneRow<float>& row) const {
     using V = Vec<float>;
     const Tag<float> d;
     const hn::RebindToSigned<Tag<float>> di;
@@ -162,26 +218,41 @@ class RunCandidates {
     const V surely = set(static_cast<float>(limit * (1 - kBand)));
     const V perhaps = set(static_cast<float>(limit * (1 + kBand)));
     const bool normals = needs_normals(batch_.method.op);
-    for (std::size_t k = 0; k < count_; k += kLanes<float>) {
-      if (row.count + kLanes < float >> row.x.capacity()) grow(row, row.count + kLanes<float>);
-      const V x = hn::ConvertTo(d, hn::LoadU(di, w_.narrow_x.data() + k) - qx) * sx;
-      const V y = hn::ConvertTo(d, hn::LoadU(di, w_.narrow_y.data() + k) - qy) * sy;
-      const V z = hn::ConvertTo(d, hn::LoadU(di, w_.narrow_z.data() + k) - qz) * sz;
-      V length = fma(x, x, fma(y, y, z * z));
-      auto mask = length < surely;
-      const auto maybe = length < perhaps;
-      if (HWY_UNLIKELY(hn::CountTrue(d, maybe) != hn::CountTrue(d, mask))) {
-        length = decide(seeker, k, mask, maybe, length);
-        mask = length < surely;
+    const std::int32_t* const px = w_.narrow.x.data();
+    const std::int32_t* const py = w_.narrow.y.data();
+    const std::int32_t* const pz = w_.narrow.z.data();
+    float* const rx = row.x.data();
+    float* const ry = row.y.data();
+    float* const rz = row.z.data();
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < touched; ++n) {
+      const std::size_t begin = chunk_begin<std::int32_t>(n);
+      for (std::size_t k = begin; k < begin + kChunk; k += kLanes<float>) {
+        const V x = hn::ConvertTo(d, hn::LoadU(di, px + k) - qx) * sx;
+        const V y = hn::ConvertTo(d, hn::LoadU(di, py + k) - qy) * sy;
+        const V z = hn::ConvertTo(d, hn::LoadU(di, pz + k) - qz) * sz;
+        V length = fma(x, x, fma(y, y, z * z));
+        auto mask = length < surely;
+        const auto maybe = length < perhaps;
+        if (HWY_UNLIKELY(!hn::AllFalse(d, hn::AndNot(mask, maybe)))) {
+          length = decide(seeker, k, mask, maybe, length);
+          mask = length < surely;
+        }
+        if (HWY_UNLIKELY(k + kLanes < float >> count_)) mask = hn::And(mask, first(d, k));
+        hn::StoreU(hn::Compress(x, mask), d, rx + count);
+        hn::StoreU(hn::Compress(y, mask), d, ry + count);
+        hn::StoreU(hn::Compress(z, mask), d, rz + count);
+        if (normals) keep_normals(d, mask, k, count, row);
+        count += hn::CountTrue(d, mask);
       }
-      if (k + kLanes < float >> count_) mask = hn::And(mask, hn::FirstN(d, count_ - k));
-      hn::StoreU(hn::Compress(x, mask), d, row.x.data() + row.count);
-      hn::StoreU(hn::Compress(y, mask), d, row.y.data() + row.count);
-      hn::StoreU(hn::Compress(z, mask), d, row.z.data() + row.count);
-      if (normals) keep_normals(d, mask, k, row);
-      row.count += hn::CountTrue(d, mask);
     }
-    bring_near(seeker, row);
+    row.count = count;
+  }
+
+  /// The lanes from candidate k on that are candidates and not padding.
+  template <class D>
+  hn::Mask<D> first(D d, std::size_t k) const {
+    return hn::FirstN(d, k < count_ ? count_ - k : 0);
   }
 
   /// Squared lengths with those that single precision cannot judge made 0 or infinite.
@@ -191,20 +262,22 @@ class RunCandidates {
     alignas(64) float lengths[kLanes<float>], doubt[kLanes<float>];
     store(length, lengths);
     store(hn::IfThenElseZero(hn::AndNot(sure, maybe), set(1.0f)), doubt);
+    const auto steps = [&](const simd::Buffer<std::int32_t>& from, std::size_t i, std::size_t a) {
+      return static_cast<double>(from.data()[k + i] - relative(seeker, a));
+    };
     for (std::size_t i = 0; i < kLanes<float>; ++i) {
       if (doubt[i] == 0) continue;
-      const auto dx = static_cast<double>(w_.narrow_x.data()[k + i] - relative(seeker, 0));
-      const auto dy = static_cast<double>(w_.narrow_y.data()[k + i] - relative(seeker, 1));
-      const auto dz = static_cast<double>(w_.narrow_z.data()[k + i] - relative(seeker, 2));
-      lengths[i] = inside(dx, dy, dz, seeker) ? 0.0f : std::numeric_limits<float>::infinity();
+      const bool in = inside(steps(w_.narrow.x, i, 0), steps(w_.narrow.y, i, 1),
+                             steps(w_.narrow.z, i, 2), seeker);
+      lengths[i] = in ? 0.0f : std::numeric_limits<float>::infinity();
     }
     return hn::Load(d, lengths);
   }
 
   /// Steps of either type to double coordinates and the exact decision.
   template <class I>
-  HWY_INLINE void filter_doubles(const I* px, const I* py, const I* pz, const Seeker& seeker,
-                                 simd::LaneRow<double>& row) const {
+  HWY_INLINE void filter_doubles(const simd::CandidateChunks<I>& chunks, std::size_t touched,
+                                 const Seeker& seeker, simd::LaneRow<double>& row) const {
     using V = Vec<double>;
     const Tag<double> d;
     const Lattice& lattice = grid_.lattice();
@@ -217,20 +290,23 @@ class RunCandidates {
     const V per_h = set(1 / seeker.h);
     const V limit = set(seeker.reach_sq);
     const bool normals = needs_normals(batch_.method.op);
-    for (std::size_t k = 0; k < count_; k += kLanes<double>) {
-      if (row.count + kLanes < double >> row.x.capacity()) grow(row, row.count + kLanes<double>);
-      const V x = sx * (doubles(px + k) - qx) - rx;
-      const V y = sy * (doubles(py + k) - qy) - ry;
-      const V z = sz * (doubles(pz + k) - qz) - rz;
-      auto mask = fma(x, x, fma(y, y, z * z)) < limit;
-      if (k + kLanes < double >> count_) mask = hn::And(mask, hn::FirstN(d, count_ - k));
-      hn::StoreU(hn::Compress(x * per_h, mask), d, row.x.data() + row.count);
-      hn::StoreU(hn::Compress(y * per_h, mask), d, row.y.data() + row.count);
-      hn::StoreU(hn::Compress(z * per_h, mask), d, row.z.data() + row.count);
-      if (normals) keep_normals(mask, k, row);
-      row.count += hn::CountTrue(d, mask);
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < touched; ++n) {
+      const std::size_t begin = chunk_begin(n);
+      for (std::size_t k = begin; k < begin + kChunk; k += kLanes<double>) {
+        const V x = sx * (doubles(chunks.x.data() + k) - qx) - rx;
+        const V y = sy * (doubles(chunks.y.data() + k) - qy) - ry;
+        const V z = sz * (doubles(chunks.z.data() + k) - qz) - rz;
+        auto mask = fma(x, x, fma(y, y, z * z)) < limit;
+        if (HWY_UNLIKELY(k + kLanes < double >> count_)) mask = hn::And(mask, first(d, k));
+        hn::StoreU(hn::Compress(x * per_h, mask), d, row.x.data() + count);
+        hn::StoreU(hn::Compress(y * per_h, mask), d, row.y.data() + count);
+        hn::StoreU(hn::Compress(z * per_h, mask), d, row.z.data() + count);
+        if (normals) keep_normals(mask, k, count, row);
+        count += hn::CountTrue(d, mask);
+      }
     }
-    bring_near(seeker, row);
+    row.count = count;
   }
 
   HWY_INLINE static Vec<double> doubles(const double* from) {
@@ -241,20 +317,21 @@ class RunCandidates {
     return hn::PromoteTo(Tag<double>(), hn::LoadU(half, from));
   }
 
-  void keep_normals(Mask<double> mask, std::size_t k, simd::LaneRow<double>& row) const {
-    grow_normals(row, row.count + kPadding);
+  void keep_normals(Mask<double> mask, std::size_t k, std::size_t count,
+                    simd::LaneRow<double>& row) const {
     const Tag<double> d;
     const hn::Rebind<float, Tag<double>> half;
     const auto keep = [&](const float* from, double* to) {
       hn::StoreU(hn::Compress(hn::PromoteTo(d, hn::LoadU(half, from)), mask), d, to);
     };
-    keep(w_.normal_x.data() + k, row.nx.data() + row.count);
-    keep(w_.normal_y.data() + k, row.ny.data() + row.count);
-    keep(w_.normal_z.data() + k, row.nz.data() + row.count);
+    keep(w_.normal_x.data() + k, row.nx.data() + count);
+    keep(w_.normal_y.data() + k, row.ny.data() + count);
+    keep(w_.normal_z.data() + k, row.nz.data() + count);
   }
 
   /// Wide steps to single coordinates: the same bits as filter_narrow where there is no remainder.
-  HWY_INLINE void filter_wide(const Seeker& seeker, simd::LaneRow<float>& row) const {
+  HWY_INLINE void filter_wide(std::size_t touched, const Seeker& seeker,
+                              simd::LaneRow<float>& row) const {
     const Tag<double> d;
     const hn::Rebind<float, Tag<double>> half;
     const Lattice& lattice = grid_.lattice();
@@ -262,7 +339,7 @@ class RunCandidates {
     const double per_h = 1 / seeker.h;
     const bool normals = needs_normals(batch_.method.op);
     const auto limit = set(seeker.reach_sq);
-    const double* const from[3] = {w_.wide_x.data(), w_.wide_y.data(), w_.wide_z.data()};
+    const double* const from[3] = {w_.wide.x.data(), w_.wide.y.data(), w_.wide.z.data()};
     const auto steps = [&](std::size_t axis, std::size_t k) {
       return hn::LoadU(d, from[axis] + k) - set(static_cast<double>(relative(seeker, axis)));
     };
@@ -274,25 +351,28 @@ class RunCandidates {
       const auto cut = hn::Set(half, static_cast<float>(rest[axis] * per_h));
       return hn::DemoteTo(half, dx) * scale - cut;
     };
-    for (std::size_t k = 0; k < count_; k += kLanes<double>) {
-      if (row.count + kLanes < double >> row.x.capacity()) grow(row, row.count + kLanes<double>);
-      const auto dx = steps(0, k);
-      const auto dy = steps(1, k);
-      const auto dz = steps(2, k);
-      const auto x = length(0, dx);
-      const auto y = length(1, dy);
-      const auto z = length(2, dz);
-      auto mask = fma(x, x, fma(y, y, z * z)) < limit;
-      if (k + kLanes < double >> count_) mask = hn::And(mask, hn::FirstN(d, count_ - k));
-      // The mask of doubles as one of floats: 1 or 0, demoted.
-      const auto keep = hn::DemoteTo(half, hn::IfThenElseZero(mask, set(1.0))) > hn::Zero(half);
-      hn::StoreU(hn::Compress(local(0, dx), keep), half, row.x.data() + row.count);
-      hn::StoreU(hn::Compress(local(1, dy), keep), half, row.y.data() + row.count);
-      hn::StoreU(hn::Compress(local(2, dz), keep), half, row.z.data() + row.count);
-      if (normals) keep_normals(half, keep, k, row);
-      row.count += hn::CountTrue(d, mask);
+    std::size_t count = 0;
+    for (std::size_t n = 0; n < touched; ++n) {
+      const std::size_t begin = chunk_begin<std::int64_t>(n);
+      for (std::size_t k = begin; k < begin + kChunk; k += kLanes<double>) {
+        const auto dx = steps(0, k);
+        const auto dy = steps(1, k);
+        const auto dz = steps(2, k);
+        const auto x = length(0, dx);
+        const auto y = length(1, dy);
+        const auto z = length(2, dz);
+        auto mask = fma(x, x, fma(y, y, z * z)) < limit;
+        if (HWY_UNLIKELY(k + kLanes < double >> count_)) mask = hn::And(mask, first(d, k));
+        // The mask of doubles as one of floats: 1 or 0, demoted.
+        const auto keep = hn::DemoteTo(half, hn::IfThenElseZero(mask, set(1.0))) > hn::Zero(half);
+        hn::StoreU(hn::Compress(local(0, dx), keep), half, row.x.data() + count);
+        hn::StoreU(hn::Compress(local(1, dy), keep), half, row.y.data() + count);
+        hn::StoreU(hn::Compress(local(2, dz), keep), half, row.z.data() + count);
+        if (normals) keep_normals(half, keep, k, count, row);
+        count += hn::CountTrue(d, mask);
+      }
     }
-    bring_near(seeker, row);
+    row.count = count;
   }
 
   /// Coordinates beyond all weights, which only very wide supports have, stay finite in sums.
@@ -308,19 +388,64 @@ class RunCandidates {
   const simd::Batch& batch_;
   const CellGrid& grid_;
   simd::Workspace& w_;
-  std::size_t count_ = 0;
+  std::size_t count_ = 0;   // candidates
+  std::size_t chunks_ = 0;  // that hold them
   Index3 anchor_{};
   bool narrow_ = false;
 };
 
-/// Copies a row into its lane of [k][lane], and fills up the rest of the lane.
+#if HWY_TARGET == HWY_SCALAR
 template <class T>
-HWY_INLINE void transpose(const T* row, std::size_t count, std::size_t lane, std::size_t steps,
-                          T padding, T* to) {
-  to += lane;
-  for (std::size_t k = 0; k < count; ++k) to[k * kLanes<T>] = row[k];
-  for (std::size_t k = count; k < steps; ++k) to[k * kLanes<T>] = padding;
+inline constexpr std::size_t kBlockLanes = 1;
+
+template <class T>
+HWY_INLINE void transpose(const T* const* rows, std::size_t steps, T* to) {
+  std::copy_n(rows[0], steps, to);
 }
+#else
+/// Lanes whose rows are transposed together: as many as a 128-bit block holds.
+template <class T>
+inline constexpr std::size_t kBlockLanes = 16 / sizeof(T);
+
+/// Within each 128-bit block, makes columns of the rows that the vectors hold.
+HWY_INLINE void transpose_blocks(Vec<float>* v) {
+  const Tag<float> d;
+  const hn::RepartitionToWide<Tag<float>> pairs;
+  const auto a = hn::BitCast(pairs, hn::InterleaveLower(d, v[0], v[1]));
+  const auto b = hn::BitCast(pairs, hn::InterleaveUpper(d, v[0], v[1]));
+  const auto c = hn::BitCast(pairs, hn::InterleaveLower(d, v[2], v[3]));
+  const auto e = hn::BitCast(pairs, hn::InterleaveUpper(d, v[2], v[3]));
+  v[0] = hn::BitCast(d, hn::InterleaveLower(pairs, a, c));
+  v[1] = hn::BitCast(d, hn::InterleaveUpper(pairs, a, c));
+  v[2] = hn::BitCast(d, hn::InterleaveLower(pairs, b, e));
+  v[3] = hn::BitCast(d, hn::InterleaveUpper(pairs, b, e));
+}
+HWY_INLINE void transpose_blocks(Vec<double>* v) {
+  const Tag<double> d;
+  const auto a = hn::InterleaveLower(d, v[0], v[1]);
+  v[1] = hn::InterleaveUpper(d, v[0], v[1]);
+  v[0] = a;
+}
+
+/// Copies kBlockLanes rows, padded to a whole number of vectors, into their lanes of [k][lane].
+template <class T>
+HWY_INLINE void transpose(const T* const* rows, std::size_t steps, T* to) {
+  constexpr std::size_t kRows = kBlockLanes<T>;
+  const hn::Simd<T, kRows, 0> block;
+  alignas(64) T columns[kRows * kLanes<T>];
+  for (std::size_t k = 0; k < steps; k += kLanes<T>) {
+    Vec<T> v[kRows];
+    for (std::size_t r = 0; r < kRows; ++r) v[r] = load(rows[r] + k);
+    transpose_blocks(v);
+    for (std::size_t r = 0; r < kRows; ++r) store(v[r], columns + r * kLanes<T>);
+    // Vector r holds step r of every kRows steps.
+    for (std::size_t b = 0; b < kLanes<T>; b += kRows)
+      for (std::size_t r = 0; r < kRows; ++r)
+        hn::Store(hn::Load(block, columns + r * kLanes<T> + b), block,
+                  to + (k + b + r) * kLanes<T>);
+  }
+}
+#endif
 
 }  // namespace pss::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -63,22 +63,31 @@ class Group {
       return w_.twice;
   }
 
+  /// The rows as columns, all as long as the longest, to whole vectors.
   Balls<T> transposed() {
-    std::size_t steps = 1;
-    for (std::size_t l = 0; l < lanes_; ++l) steps = std::max(steps, rows()[l].count);
-    const std::size_t size = steps * kLanes<T>;
-    w_.balls.reserve(3 * size * sizeof(T));
+    std::size_t most = 1;
+    for (std::size_t l = 0; l < lanes_; ++l) most = std::max(most, rows()[l].count);
+    const std::size_t steps = (most + kLanes<T> - 1) / kLanes<T> * kLanes<T>;
+    w_.balls.reserve(3 * steps * kLanes<T> * sizeof(T));
     T* const x = reinterpret_cast<T*>(w_.balls.data());
-    T* const y = x + size;
-    T* const z = y + size;
+    T* const y = x + steps * kLanes<T>;
+    T* const z = y + steps * kLanes<T>;
     for (std::size_t l = 0; l < kLanes<T>; ++l) {
-      const simd::LaneRow<T>& row = rows()[l];
-      const std::size_t count = l < lanes_ ? row.count : 0;
-      transpose(row.x.data(), count, l, steps, T(kFarAway), x);
-      transpose(row.y.data(), count, l, steps, T(kFarAway), y);
-      transpose(row.z.data(), count, l, steps, T(kFarAway), z);
+      if (l >= lanes_) rows()[l].count = 0;
+      rows()[l].pad(steps, T(kFarAway));
     }
-    return {x, y, z, steps};
+    transpose_rows(&simd::LaneRow<T>::x, steps, x);
+    transpose_rows(&simd::LaneRow<T>::y, steps, y);
+    transpose_rows(&simd::LaneRow<T>::z, steps, z);
+    return {x, y, z, most};
+  }
+
+  void transpose_rows(simd::Buffer<T> simd::LaneRow<T>::*axis, std::size_t steps, T* to) {
+    for (std::size_t l = 0; l < kLanes<T>; l += kBlockLanes<T>) {
+      const T* block[kBlockLanes<T>];
+      for (std::size_t r = 0; r < kBlockLanes<T>; ++r) block[r] = (rows()[l + r].*axis).data();
+      transpose<T>(block, steps, to + l);
+    }
   }
 
   /// R / h of each lane, cut to where the weights of a Gaussian vanish.
@@ -126,7 +135,7 @@ class Group {
 /// Consecutive queries that share their candidates: a small box, not too many.
 class Run {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMost = 512;
 
   Run(const simd::Batch& batch, std::span<const std::uint32_t> which) : batch_(batch) {
     for (const std::uint32_t i : which) {
@@ -147,7 +156,7 @@ class Run {
     IndexBox box = box_;
     box.add(query.position);
     if (count_ > 0) {
-      const double span = std::min(reach_, wanted);
+      const double span = 4 * std::min(reach_, wanted);
       for (std::size_t a = 0; a < 3; ++a)
         if (static_cast<double>(box.max[a] - box.min[a]) * batch_.grid.lattice().scale[a] > span)
           return false;

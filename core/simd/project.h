@@ -1,6 +1,8 @@
 #pragma once
 // The door to the kernels: a batch of queries, carried out by the widest vectors of the machine.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,6 +30,36 @@ struct LaneRow {
   Buffer<T> x, y, z, nx, ny, nz;
   std::size_t count = 0;
   std::uint32_t query = 0;
+
+  void reserve(std::size_t size, bool normals) {
+    for (Buffer<T>* buffer : {&x, &y, &z}) buffer->reserve(size);
+    if (!normals) return;
+    for (Buffer<T>* buffer : {&nx, &ny, &nz}) buffer->reserve(size);
+  }
+
+  /// Fills the coordinates from `count` to `size` with a place where no weight is.
+  void pad(std::size_t size, T far) {
+    for (Buffer<T>* buffer : {&x, &y, &z}) {
+      buffer->reserve(size, count);
+      std::fill(buffer->data() + count, buffer->data() + size, far);
+    }
+  }
+};
+
+/// Consecutive candidates that are looked at together: a whole number of vectors in every target.
+inline constexpr std::size_t kChunk = 16;
+
+/// The candidates of a run of queries in chunks, and the chunks' boxes.
+template <class I>
+struct CandidateChunks {
+  Buffer<I> x, y, z;
+  std::array<Buffer<I>, 3> low, high;
+
+  void reserve(std::size_t chunks) {
+    for (Buffer<I>* buffer : {&x, &y, &z}) buffer->reserve(chunks * kChunk + kChunk);
+    for (Buffer<I>& buffer : low) buffer.reserve(chunks + kChunk);
+    for (Buffer<I>& buffer : high) buffer.reserve(chunks + kChunk);
+  }
 };
 
 /// All that a thread needs again for the next batch.
@@ -35,8 +67,9 @@ struct Workspace {
   static constexpr std::size_t kMostLanes = 16;
 
   std::vector<PointRange> ranges;
-  Buffer<std::int32_t> narrow_x, narrow_y, narrow_z;  // candidates of a run, in steps
-  Buffer<double> wide_x, wide_y, wide_z;
+  CandidateChunks<std::int32_t> narrow;
+  CandidateChunks<double> wide;
+  Buffer<std::int64_t> touched;  // chunks that a query looks at
   Buffer<float> normal_x, normal_y, normal_z;
   LaneRow<float> single[kMostLanes];
   LaneRow<double> twice[kMostLanes];

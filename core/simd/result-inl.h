@@ -26,6 +26,7 @@ struct Outcomes {
     kCount,
     kDegree,
     kSecondSheet,
+    kStatus,  // 0, or the Status of a lane that stays
     kEasy,
     kFields
   };
@@ -39,6 +40,12 @@ struct Outcomes {
   /// Fills in the projection of a lane; false where the lane's query needs another computation.
   bool write(std::size_t lane, double h, int degree, Projection& p) const {
     if (!(value[kEasy][lane] > 0)) return false;
+    if (value[kStatus][lane] > 0) {
+      p = Projection{};
+      p.status = static_cast<Status>(static_cast<int>(value[kStatus][lane]));
+      p.neighbours = static_cast<std::uint32_t>(value[kCount][lane]);
+      return true;
+    }
     p.status = value[kDegree][lane] < static_cast<T>(degree) ? Status::kDegreeReduced : Status::kOk;
     p.second_sheet = value[kSecondSheet][lane] > 0;
     p.redone = false;
@@ -62,11 +69,13 @@ HWY_INLINE void keep(Outcomes<T>& o, int field, const Vec3<Vec<T>>& v) {
   store(v.z, o.value[field + 2]);
 }
 
-/// Normal, curvatures and the direction of the larger one, of z = g(x, y) at the origin.
+/// Curvatures of z = g(x, y) at the origin and the direction of the larger one, by the normal's
+/// final sign: the side of the axes' n, or the other where it flips.
 ///
 /// Source: any text on differential geometry, e.g. do Carmo 1976, section 3-3.
 template <class T>
-HWY_INLINE void describe_shape(const Maps<T>& map, const Axes<Vec<T>>& axes, Outcomes<T>& o) {
+HWY_INLINE void keep_curvatures(const Maps<T>& map, const Axes<Vec<T>>& axes, Mask<T> flip,
+                                Outcomes<T>& o) {
   using V = Vec<T>;
   const V zero = set(T{0});
   const V one = set(T{1});
@@ -80,16 +89,10 @@ HWY_INLINE void describe_shape(const Maps<T>& map, const Axes<Vec<T>>& axes, Out
   const V g = fma(gv, gv, one);
   const V z = fma(gv, gv, e);
   const V root = hn::Sqrt(z);
-  const V per_root = one / root;
-  const Vec3<V> up{fnma(gu, axes.u.x, fnma(gv, axes.v.x, axes.n.x)),
-                   fnma(gu, axes.u.y, fnma(gv, axes.v.y, axes.n.y)),
-                   fnma(gu, axes.u.z, fnma(gv, axes.v.z, axes.n.z))};
-  const Vec3<V> normal = per_root * up;
   const V bend = fma(g, guu, fma(e, gvv, hn::Neg((f + f) * guv)));
   const V mean = bend * set(T(0.5)) / (z * root);
   const V gauss = fma(guu, gvv, hn::Neg(guv * guv)) / (z * z);
-  const auto flip = hn::Not(is_canonical(normal));
-  // The larger curvature by the normal's final sign: the smaller one where it flips.
+  // The larger curvature by the final sign: the smaller one where it flips.
   const V spread_sq = hn::Max(fma(mean, mean, hn::Neg(gauss)), zero);
   const V spread = hn::Sqrt(spread_sq);
   const V k = hn::IfThenElse(flip, mean - spread, mean + spread) * root;
@@ -107,11 +110,37 @@ HWY_INLINE void describe_shape(const Maps<T>& map, const Axes<Vec<T>>& axes, Out
   const V per_length =
       hn::IfThenElseZero(known, one / hn::Sqrt(hn::IfThenElse(known, length_sq, one)));
   const Vec3<V> direction = per_length * tangent;
-  keep(o, Outcomes<T>::kNormal, negated_where(flip, normal));
   keep(o, Outcomes<T>::kDirection,
        negated_where(hn::AndNot(is_canonical(direction), known), direction));
   store(hn::IfThenElse(flip, hn::Neg(mean), mean), o.value[Outcomes<T>::kMean]);
   store(gauss, o.value[Outcomes<T>::kGaussian]);
+}
+
+/// Normal, with its canonical sign, and curvatures of z = g(x, y) at the origin.
+template <class T>
+HWY_INLINE void keep_shape(const Maps<T>& map, const Axes<Vec<T>>& axes, Outcomes<T>& o) {
+  using V = Vec<T>;
+  const V gu = map.coefficient[1];
+  const V gv = map.coefficient[2];
+  const V one = set(T{1});
+  const V per_root = one / hn::Sqrt(fma(gv, gv, fma(gu, gu, one)));
+  const Vec3<V> up{fnma(gu, axes.u.x, fnma(gv, axes.v.x, axes.n.x)),
+                   fnma(gu, axes.u.y, fnma(gv, axes.v.y, axes.n.y)),
+                   fnma(gu, axes.u.z, fnma(gv, axes.v.z, axes.n.z))};
+  const Vec3<V> normal = per_root * up;
+  const auto flip = hn::Not(is_canonical(normal));
+  keep(o, Outcomes<T>::kNormal, negated_where(flip, normal));
+  keep_curvatures<T>(map, axes, flip, o);
+}
+
+/// What the fit tells of the neighbourhood, wherever the point goes.
+template <class T>
+HWY_INLINE void keep_fit(const Maps<T>& map, Outcomes<T>& o) {
+  store(map.residual, o.value[Outcomes<T>::kResidual]);
+  store(map.boundary, o.value[Outcomes<T>::kBoundary]);
+  store(map.count, o.value[Outcomes<T>::kCount]);
+  store(map.degree, o.value[Outcomes<T>::kDegree]);
+  store(hn::IfThenElseZero(map.second_sheet, set(T{1})), o.value[Outcomes<T>::kSecondSheet]);
 }
 
 /// The outcome of a plane and the polynomial over it.
@@ -124,12 +153,9 @@ HWY_INLINE Outcomes<T> describe(const Planes<T>& plane, const Axes<Vec<T>>& axes
   Outcomes<T> o;
   const V height = map.coefficient[0];
   keep(o, Outcomes<T>::kMove, (plane.t + height) * plane.n);
-  describe_shape<T>(map, axes, o);
-  store(map.residual, o.value[Outcomes<T>::kResidual]);
-  store(map.boundary, o.value[Outcomes<T>::kBoundary]);
-  store(map.count, o.value[Outcomes<T>::kCount]);
-  store(map.degree, o.value[Outcomes<T>::kDegree]);
-  store(hn::IfThenElseZero(map.second_sheet, one), o.value[Outcomes<T>::kSecondSheet]);
+  keep_shape<T>(map, axes, o);
+  keep_fit<T>(map, o);
+  store(zero, o.value[Outcomes<T>::kStatus]);
   auto easy = hn::And(plane.easy, hn::Abs(height) < set(Tolerance<T>::kFarthest));
   easy = hn::And(easy, map.degree >= zero);
   if constexpr (sizeof(T) == 4) easy = hn::And(easy, map.sound);

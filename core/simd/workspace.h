@@ -1,13 +1,15 @@
 #pragma once
 // Memory that kernels use again and again: aligned, growing, of no target.
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <new>
+#include <utility>
 
 namespace pss::simd {
 
-/// An array aligned for every vector, whose contents are lost when it grows unless kept.
+/// An array aligned for every vector, whose contents are lost when it grows, but for those kept.
 template <class T>
 class Buffer {
  public:
@@ -23,7 +25,7 @@ class Buffer {
     const std::size_t grown = count + count / 4;
     std::unique_ptr<T[], Free> larger(
         static_cast<T*>(::operator new (grown * sizeof(T), std::align_val_t{kAlignment})));
-    for (std::size_t i = 0; i < kept; ++i) larger[i] = data_[i];
+    std::copy_n(data_.get(), kept, larger.get());
     data_ = std::move(larger);
     capacity_ = grown;
   }
