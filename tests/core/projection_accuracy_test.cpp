@@ -23,7 +23,7 @@ TEST_P(AccuracyOfDegrees, ConvergeOnATorusAtTheirOrder) {
   const int m = GetParam();
   const Torus torus{1, 0.4};
   const auto errors = [&](double s) {
-    return measure(scan_of(torus, s), torus, {2 * s, 9 * s}, m, 400);
+    return measure(scan_of(torus, s), torus, {2 * s, 9 * s}, levin(m), 400);
   };
   const Errors coarse = errors(0.08);
   const Errors fine = errors(0.01);
@@ -37,7 +37,7 @@ TEST_P(AccuracyOfDegrees, HaveTheErrorOfTheirTableOnATorus) {
   const int m = GetParam();
   const Torus torus{1, 0.4};
   const double s = 0.02;
-  const Errors e = measure(scan_of(torus, s), torus, {2 * s, 9 * s}, m, 600);
+  const Errors e = measure(scan_of(torus, s), torus, {2 * s, 9 * s}, levin(m), 600);
   const double distance[] = {0, 1.0e-3, 4.1e-6, 3.8e-6, 4.9e-8};
   const double normal[] = {0, 3.0e-3, 8.2e-4, 2.0e-5, 5.6e-6};
   const double curvature[] = {0, 2, 9.6e-3, 9.5e-3, 1.8e-4};
@@ -50,7 +50,7 @@ TEST_P(AccuracyOfDegrees, LieOffASphereByTheClosedForm) {
   const int m = GetParam();
   const double h = 0.1;
   const Sphere sphere{1};
-  const Errors e = measure(scan_of(sphere, h / 3), sphere, {h, 5 * h}, m, 200);
+  const Errors e = measure(scan_of(sphere, h / 3), sphere, {h, 5 * h}, levin(m), 200);
   const double closed[] = {0, -h * h / 2, std::pow(h, 4) / 4, std::pow(h, 4) / 4,
                            -3 * std::pow(h, 6) / 8};
   EXPECT_NEAR(e.mean_distance, closed[m], 0.05 * std::abs(closed[m]));
@@ -63,7 +63,7 @@ TEST_P(AccuracyOfDegrees, LeaveTheShareOfTheNoiseThatTheTheoryGives) {
   const double h = 2;
   const double sigma = 0.05;
   const Scan scan = scan_of(Plane{160, 160, 0, 0}, 1, sigma, 0x1p-30);
-  Projector project(scan, {h, 5 * h}, m);
+  ScanProjector project(scan, {h, 5 * h}, levin(m));
   double square = 0;
   int count = 0;
   for (std::size_t i = 0; i < scan.points.size(); i += 11) {
@@ -82,7 +82,7 @@ TEST(Accuracy, OfCurvatureHasTheSignOfItsNormal) {
   const Sphere sphere{1};
   const Scan scan = scan_of(sphere, 0.03);
   const Support support{0.06, 0.27};
-  Projector project(scan, support, 3);
+  ScanProjector project(scan, support, levin(3));
   for (std::size_t i = 0; i < scan.points.size(); i += 50) {
     const Projection p = project({scan.points[i]});
     const World3 outward = to_world(scan.lattice, scan.points[i]);
@@ -97,7 +97,7 @@ TEST(Accuracy, OfTheBoundaryValueOnAnEdge) {
   const double s = 0.1;
   const Scan scan = scan_of(Plane{20, 20, 0, 0}, s, 0, 0x1p-30);
   const Support support{8 * s, 40 * s};
-  Projector project(scan, support, 1);
+  ScanProjector project(scan, support, levin(1));
   const Projection edge = project({to_index(scan.lattice, {10, 0, 0})});
   const Projection inside = project({to_index(scan.lattice, {1, 2, 0})});
   EXPECT_NEAR(edge.boundary, 0.564, 0.01);

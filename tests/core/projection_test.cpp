@@ -171,7 +171,7 @@ TEST_P(ProjectionOfDegrees, ProjectTwiceAsOnce) {
   const double s = 0.03;
   const Scan scan = scan_of(Torus{1, 0.4}, s, 0.2 * s);
   const Support support{3 * s, radius_factor(degree) * 3 * s};
-  Projector project(scan, support, degree);
+  ScanProjector project(scan, support, levin(degree));
   int projected = 0;
   for (std::size_t i = 0; i < scan.points.size(); i += 35) {
     Query query{scan.points[i]};
@@ -191,7 +191,7 @@ TEST_P(ProjectionOfDegrees, GiveTheSameResultAlongTheWholeNormalLine) {
   const double s = 0.04;
   const Scan scan = scan_of(Torus{1, 0.4}, s, 0.1 * s);
   const Support support{2 * s, radius_factor(degree) * 2 * s};
-  Projector project(scan, support, degree);
+  ScanProjector project(scan, support, levin(degree));
   for (std::size_t i = 0; i < scan.points.size(); i += 100) {
     const Projection p = project({scan.points[i]});
     ASSERT_EQ(p.status, Status::kOk);
@@ -225,8 +225,8 @@ TEST_P(ProjectionOfDegrees, ChangeNoBitWhenTheScanMovesByWholeCellsOrItsOriginIs
     for (std::size_t a = 0; a < 3; ++a) p[a] += by[a];
   moved_scan.lattice.origin = {447000, 5411000, 1234.5};
   const Support support{2 * s, radius_factor(degree) * 2 * s};
-  Projector here(scan, support, degree);
-  Projector there(moved_scan, support, degree);
+  ScanProjector here(scan, support, levin(degree));
+  ScanProjector there(moved_scan, support, levin(degree));
   for (std::size_t i = 0; i < scan.points.size(); i += 20)
     EXPECT_TRUE(same_bits(here({scan.points[i]}), there({moved_scan.points[i]})));
 }
@@ -240,8 +240,8 @@ TEST_P(ProjectionOfDegrees, ChangeOnlyByRoundingWhenTheScanMovesAcrossCells) {
   for (Index3& p : moved_scan.points) p = move(p);
   sort_by_key(moved_scan.points);
   const Support support{2 * s, radius_factor(degree) * 2 * s};
-  Projector here(scan, support, degree);
-  Projector there(moved_scan, support, degree);
+  ScanProjector here(scan, support, levin(degree));
+  ScanProjector there(moved_scan, support, levin(degree));
   for (std::size_t i = 0; i < scan.points.size(); i += 20) {
     const World3 error =
         here({scan.points[i]}).displacement - there({move(scan.points[i])}).displacement;

@@ -1,156 +1,163 @@
 #pragma once
-// The projection as its definition reads, slow and separate: what the fast one is checked against.
+// The operator levin as docs/algorithm.md defines it, slow and separate.
 
-#include <Eigen/Dense>
-#include <cmath>
-#include <vector>
-
-#include "core/neighbours.h"
-#include "core/projection.h"
+#include "tests/support/fit_oracle.h"
 
 namespace pss::test {
 
-/// Everything in extended precision, with the library's exp and Eigen's solvers.
-class LevinOracle {
+/// The search for the reference plane: Newton's method with the documented safeguards.
+///
+/// Its Jacobian comes from differences of the conditions, so that it cannot share a mistake with
+/// formulas of derivatives.
+template <class Real>
+class LevinSearch {
  public:
-  using Real = long double;
-  using Vector = Eigen::Matrix<Real, 3, 1>;
-  using Matrix = Eigen::Matrix<Real, 3, 3>;
+  using Step = Vector<Real>;  ///< turn towards u and v, slide
 
-  struct Result {
-    bool converged = false;
-    Vector displacement;
-    Vector normal;            // of the polynomial, either sign
-    Real mean_curvature = 0;  // with respect to that normal
-    Real gaussian_curvature = 0;
-    Real residual = 0;
-    Real boundary = 0;
-  };
+  explicit LevinSearch(const OracleCloud<Real>& cloud) : cloud_(cloud) {}
 
-  LevinOracle(const Offsets& offsets, const Support& support) : h_(support.h), r_(support.radius) {
-    for (std::size_t i = 0; i < offsets.size(); ++i)
-      points_.emplace_back(offsets.x[i], offsets.y[i], offsets.z[i]);
-  }
-
-  Result project(int degree) const {
-    Vector n;
-    Real t = 0;
-    start(n, t);
-    Result result;
-    for (int i = 0; i < 5000 && !result.converged; ++i) {
-      const Vector turned = smallest(covariance(t * n, t * n), n);
-      const Real slide = 0.5L * residual_along(turned, t);
-      result.converged = (turned - n).norm() < 1e-17L && std::abs(slide) < 1e-17L * h_;
-      n = turned;
-      t += slide;
-    }
-    fit(n, t, degree, result);
-    return result;
+  OraclePlane<Real> run() {
+    const OraclePlane<Real> start = starting_plane(cloud_);
+    if (start.status != Status::kOk) return start;
+    at_ = {OracleFrame<Real>::of(start.n), start.t};
+    for (int pass = 0; pass < 64; ++pass)
+      if (const std::optional<Status> end = advance()) return {*end, at_.frame.n, at_.t};
+    return {Status::kDegenerate, at_.frame.n, at_.t};
   }
 
  private:
-  Real taper(Real rho_sq) const {
-    const Real inner = r_ - h_ / 2;
-    Real u = (r_ * r_ - rho_sq) / (r_ * r_ - inner * inner);
-    u = std::min(std::max(u, Real{0}), Real{1});
-    return u * u * u * (10 - 15 * u + 6 * u * u);
-  }
+  struct Place {
+    OracleFrame<Real> frame;
+    Real t = 0;
+  };
 
-  Real weight(Real rho_sq) const { return std::exp(-rho_sq / (h_ * h_)) * taper(rho_sq); }
+  /// The conditions F (not divided by w) and what tells a minimum.
+  struct Conditions {
+    Real w = 0;
+    Vector<Real> f = Vector<Real>::Zero();
+    Matrix<Real> covariance = Matrix<Real>::Zero();  // about q, in the frame
+  };
 
-  /// dw / d(rho^2) by a central difference: independent of the formula under test.
-  Real weight_slope(Real rho_sq) const {
-    const Real e = 1e-6L * h_ * h_;
-    return (8 * (weight(rho_sq + e) - weight(rho_sq - e)) -
-            (weight(rho_sq + 2 * e) - weight(rho_sq - 2 * e))) /
-           (12 * e);
-  }
-
-  /// Sum of w (p - centre)(p - centre)^T, weights frozen at q.
-  Matrix covariance(const Vector& q, const Vector& centre) const {
-    Matrix c = Matrix::Zero();
-    for (const Vector& p : points_)
-      c += weight((p - q).squaredNorm()) * (p - centre) * (p - centre).transpose();
+  Conditions conditions(const Place& place) const {
+    Conditions c;
+    const Vector<Real> q = place.t * place.frame.n;
+    for (const Vector<Real>& p : cloud_.points) {
+      const Vector<Real> x = place.frame.local(p - q);
+      const Real d = x[2];
+      const Weight<Real> w = cloud_.weight(p, q);
+      c.w += w.value;
+      c.f += Vector<Real>(w.value * d * x[0], w.value * d * x[1], d * (w.value + d * d * w.slope));
+      c.covariance += w.value * x * x.transpose();
+    }
     return c;
   }
 
-  /// The eigenvector of the smallest eigenvalue, on the side of `like`.
-  static Vector smallest(const Matrix& c, const Vector& like) {
-    const Vector n = Eigen::SelfAdjointEigenSolver<Matrix>(c).eigenvectors().col(0);
-    return n.dot(like) < 0 ? Vector(-n) : n;
+  /// The frame carried along, without a turn about n.
+  static Place moved(const Place& from, const Step& step) {
+    const OracleFrame<Real>& f = from.frame;
+    const Vector<Real> n = (f.n + step[0] * f.u + step[1] * f.v).normalized();
+    const Vector<Real> u = (f.u - f.u.dot(n) * n).normalized();
+    return {{u, n.cross(u), n}, bounded_height<Real>(from.t + step[2])};
   }
 
-  void start(Vector& n, Real& t) const {
-    Real total = 0;
-    Vector mean = Vector::Zero();
-    for (const Vector& p : points_) {
-      total += weight(p.squaredNorm());
-      mean += weight(p.squaredNorm()) * p;
+  /// dF / d(turn, slide) by central differences.
+  Matrix<Real> jacobian() const {
+    const Real e = std::cbrt(std::numeric_limits<Real>::epsilon());
+    Matrix<Real> j;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      Place ahead = moved(at_, e * Step::Unit(k));
+      Place behind = moved(at_, -e * Step::Unit(k));
+      if (k == 2)
+        ahead.t = at_.t + e, behind.t = at_.t - e;  // past the bound where it stands there
+      j.col(k) = (conditions(ahead).f - conditions(behind).f) / (2 * e);
     }
-    mean /= total;
-    n = smallest(covariance(Vector::Zero(), mean), Vector::UnitZ());
-    t = std::min(std::max(n.dot(mean), -h_ / 2), h_ / 2);
+    return j;
   }
 
-  /// Sum of d (w + d^2 w'), divided by the sum of w: a length.
-  Real residual_along(const Vector& n, Real t) const {
-    Real sum = 0;
-    Real total = 0;
-    for (const Vector& p : points_) {
-      const Real rho_sq = (p - t * n).squaredNorm();
-      const Real d = n.dot(p) - t;
-      sum += d * (weight(rho_sq) + d * d * weight_slope(rho_sq));
-      total += weight(rho_sq);
+  static Step shortened(Step step) {
+    const Real turn = step.template head<2>().norm();
+    if (turn > Real{0.3}) step *= Real{0.3} / turn;
+    if (std::abs(step[2]) > Real{0.25}) step *= Real{0.25} / std::abs(step[2]);
+    return step;
+  }
+
+  static bool at_minimum(const Conditions& c, Real convexity) {
+    const Real dd = c.covariance(2, 2);
+    const Real least = Real{1e-10} * c.covariance.trace();
+    const Real xx = c.covariance(0, 0) - dd;
+    const Real yy = c.covariance(1, 1) - dd;
+    const Real xy = c.covariance(0, 1);
+    return xx > least && xx * yy - xy * xy > least * (xx + yy) && convexity > 0;
+  }
+
+  std::optional<Status> advance() {
+    const Conditions c = conditions(at_);
+    if (!(c.w > 0)) return Status::kTooFew;
+    const Vector<Real> f = c.f / c.w;
+    const Matrix<Real> j = jacobian() / c.w;
+    const bool pushed = std::abs(at_.t) >= Real{0.5} && f[2] * at_.t > 0;
+    if (pushed && ++pushes_ >= 4) return Status::kOutOfDomain;
+    const bool minimum = at_minimum(c, -j(2, 2));
+    if (after_newton_ && (!minimum || (!pushed && f.norm() > last_residual_))) {
+      halve();
+      return {};
     }
-    return sum / total;
-  }
-
-  void fit(const Vector& n, Real t, int degree, Result& result) const {
-    const Vector u = n.unitOrthogonal();
-    const Vector v = n.cross(u);
-    const auto rows = static_cast<Eigen::Index>(points_.size());
-    Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> design(rows,
-                                                               (degree + 1) * (degree + 2) / 2);
-    Eigen::Matrix<Real, Eigen::Dynamic, 1> heights(rows);
-    Real total = 0;
-    Real square = 0;
-    Vector mean = Vector::Zero();
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const Vector p = points_[static_cast<std::size_t>(i)] - t * n;
-      const Real w = weight(p.squaredNorm());
-      Eigen::Index column = 0;
-      for (int order = 0; order <= degree; ++order)
-        for (int j = 0; j <= order; ++j)
-          design(i, column++) = std::sqrt(w) * std::pow(u.dot(p) / h_, Real(order - j)) *
-                                std::pow(v.dot(p) / h_, Real(j));
-      heights(i) = std::sqrt(w) * n.dot(p);
-      total += w;
-      square += w * p.squaredNorm();
-      mean += w * p;
+    const Eigen::FullPivLU<Matrix<Real>> lu(j);
+    if (!minimum || alternations_ > 0 || !lu.isInvertible()) {
+      alternate(c, f, j);
+      return {};
     }
-    const auto c = design.householderQr().solve(heights).eval();
-    result.residual = std::sqrt((design * c - heights).squaredNorm() / total);
-    result.boundary = (mean / total).norm() / std::sqrt(square / total);
-    result.displacement = (t + c(0)) * n;
-    result.normal = n;
-    if (degree >= 1) result.normal = (n - c(1) / h_ * u - c(2) / h_ * v).normalized();
-    if (degree >= 2) curvatures(c(1) / h_, c(2) / h_, 2 * c(3), c(4), 2 * c(5), result);
+    const Step step = shortened(lu.solve(-f));
+    halvings_ = 0;
+    after_newton_ = true;
+    last_residual_ = f.norm();
+    last_ = at_;
+    last_step_ = step;
+    at_ = moved(last_, step);
+    const bool converged =
+        step.template lpNorm<Eigen::Infinity>() <= Real{1e-8} || last_residual_ <= Real{1e-15};
+    if (converged && std::abs(at_.t) < Real{0.5}) return Status::kOk;
+    return {};
   }
 
-  void curvatures(Real gu, Real gv, Real guu, Real guv, Real gvv, Result& result) const {
-    // The shape operator as a matrix: second fundamental form over the first.
-    Eigen::Matrix<Real, 2, 2> first;
-    Eigen::Matrix<Real, 2, 2> second;
-    first << 1 + gu * gu, gu * gv, gu * gv, 1 + gv * gv;
-    second << guu, guv, guv, gvv;
-    second /= h_ * h_ * std::sqrt(1 + gu * gu + gv * gv);
-    const Eigen::Matrix<Real, 2, 2> shape = first.inverse() * second;
-    result.mean_curvature = shape.trace() / 2;
-    result.gaussian_curvature = shape.determinant();
+  void halve() {
+    if (++halvings_ > 3) {
+      alternations_ = 4 << failures_++;
+      after_newton_ = false;
+    }
+    last_step_ /= 2;
+    at_ = moved(last_, last_step_);
   }
 
-  Real h_, r_;
-  std::vector<Vector> points_;
+  void alternate(const Conditions& c, const Vector<Real>& f, const Matrix<Real>& j) {
+    after_newton_ = false;
+    halvings_ = 0;
+    if (alternations_ > 0) --alternations_;
+    const Eigen::SelfAdjointEigenSolver<Matrix<Real>> eigen(c.covariance);
+    Vector<Real> e = eigen.eigenvectors().col(0);
+    if (e[2] < 0) e = -e;
+    const Real along = f[2] + j(2, 0) * e[0] + j(2, 1) * e[1];
+    const Real slide = -j(2, 2) > 0 ? std::clamp<Real>(along / -j(2, 2), -0.25, 0.25)
+                                    : std::copysign(Real{0.125}, f[2]);
+    const OracleFrame<Real>& old = at_.frame;
+    const Vector<Real> n = e[0] * old.u + e[1] * old.v + e[2] * old.n;
+    at_ = {OracleFrame<Real>::of(n.normalized()), bounded_height<Real>(at_.t + slide)};
+  }
+
+  const OracleCloud<Real>& cloud_;
+  Place at_, last_;
+  Step last_step_ = Step::Zero();
+  Real last_residual_ = 0;
+  bool after_newton_ = false;
+  int halvings_ = 0;
+  int alternations_ = 0;
+  int failures_ = 0;
+  int pushes_ = 0;
 };
+
+template <class Real>
+OraclePlane<Real> levin_plane(const OracleCloud<Real>& cloud) {
+  return LevinSearch<Real>(cloud).run();
+}
 
 }  // namespace pss::test

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/neighbours.h"
-#include "core/projection.h"
+#include "core/projector.h"
 #include "core/shapes.h"
 #include "core/vec3.h"
 #include "tests/support/cloud.h"
@@ -19,7 +19,27 @@ struct Scan {
   Lattice lattice;
   std::vector<Index3> points;
   double spacing = 0;
+  std::vector<Normal> normals{};  ///< of the surface, one a point
+
+  CloudNormals cloud_normals() const { return {normals, true}; }
 };
+
+/// The nearest lattice positions with the normals that belong to them, in key order.
+inline Scan sorted_scan(const Lattice& lattice, std::span<const SurfacePoint> samples) {
+  std::vector<std::pair<Index3, Normal>> sorted;
+  sorted.reserve(samples.size());
+  for (const auto& [position, n] : samples)
+    sorted.push_back(
+        {to_index(lattice, position),
+         {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])}});
+  std::ranges::sort(sorted, {}, [](const auto& sample) { return encode_key(sample.first); });
+  Scan scan{lattice, {}};
+  for (const auto& [position, normal] : sorted) {
+    scan.points.push_back(position);
+    scan.normals.push_back(normal);
+  }
+  return scan;
+}
 
 /// Even but irregular samples, `spacing` apart on average, moved by noise along the normal.
 ///
@@ -30,33 +50,39 @@ inline Scan scan_of(const Surface& surface, double spacing, double noise = 0,
   const auto count = static_cast<std::size_t>(area(surface) / (spacing * spacing));
   const double plastic = 1.32471795724474602596;
   Random random(99);
-  std::vector<World3> world(count);
+  std::vector<SurfacePoint> samples(count);
   double u = 0.5;
   double v = 0.5;
-  for (World3& p : world) {
+  for (SurfacePoint& sample : samples) {
     u = std::fmod(u + 1 / plastic, 1.0);
     v = std::fmod(v + 1 / (plastic * plastic), 1.0);
-    const SurfacePoint on = surface_point(surface, u, v);
-    p = on.position;
-    if (noise > 0) p = p + noise * random.normal() * on.normal;
+    sample = surface_point(surface, u, v);
+    if (noise > 0) sample.position = sample.position + noise * random.normal() * sample.normal;
   }
-  Scan scan{{{step, step, step}, {0, 0, 0}}, {}, spacing};
-  scan.points = on_lattice_sorted(scan.lattice, world);
+  Scan scan = sorted_scan({{step, step, step}, {0, 0, 0}}, samples);
+  scan.spacing = spacing;
   return scan;
 }
 
-/// A grid over a scan, and the projection of any place onto its surface.
-class Projector {
- public:
-  Projector(const Scan& scan, const Support& support, int degree)
-      : lattice_(scan.lattice),
-        grid_(scan.lattice, scan.points, reach(support)),
-        support_(support),
-        degree_(degree) {}
+inline Method levin(int degree) {
+  return {MlsOperator::kLevin, WeightKind::kGaussian, Precision::kDouble, degree};
+}
 
-  Projection operator()(const Query& query) {
-    grid_.gather(query, reach(support_), offsets_);
-    return project_levin(offsets_, support_, degree_);
+/// A grid over a scan, and the projection of any place onto its surface.
+class ScanProjector {
+ public:
+  ScanProjector(const Scan& scan, const Support& support, const Method& method)
+      : lattice_(scan.lattice),
+        grid_(scan.lattice, scan.points, reach(method.weight, support)),
+        support_(support),
+        projector_(grid_, method, scan.cloud_normals()) {}
+
+  Projection operator()(const Query& query) { return (*this)(std::vector{query})[0]; }
+
+  std::vector<Projection> operator()(std::span<const Query> queries) {
+    std::vector<Projection> results(queries.size());
+    projector_.project(queries, {&support_, 1}, results);
+    return results;
   }
 
   /// Where the query lies after its projection.
@@ -68,9 +94,16 @@ class Projector {
   Lattice lattice_;
   CellGrid grid_;
   Support support_;
-  int degree_;
-  Offsets offsets_;
+  Projector projector_;
 };
+
+/// About `count` of the scan's points, spread over it.
+inline std::vector<Query> some_queries(const Scan& scan, std::size_t count) {
+  std::vector<Query> queries;
+  const std::size_t step = std::max<std::size_t>(1, scan.points.size() / count);
+  for (std::size_t i = 0; i < scan.points.size(); i += step) queries.push_back({scan.points[i]});
+  return queries;
+}
 
 /// Errors of projected points against the true surface, root mean square.
 struct Errors {
@@ -82,17 +115,17 @@ struct Errors {
   std::size_t moved = 0;
 };
 
-/// Projects about `queries` points spread over the scan.
-inline Errors measure(const Scan& scan, const Surface& surface, const Support& support, int degree,
-                      std::size_t queries) {
-  Projector project(scan, support, degree);
+/// Projects about `count` points spread over the scan.
+inline Errors measure(const Scan& scan, const Surface& surface, const Support& support,
+                      const Method& method, std::size_t count) {
+  ScanProjector project(scan, support, method);
   Errors e;
-  const std::size_t step = std::max<std::size_t>(1, scan.points.size() / queries);
-  for (std::size_t i = 0; i < scan.points.size(); i += step) {
-    const Query query{scan.points[i]};
-    const Projection p = project(query);
+  const std::vector<Query> queries = some_queries(scan, count);
+  const std::vector<Projection> results = project(queries);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Projection& p = results[i];
     if (p.status != Status::kOk) continue;
-    const Foot foot = foot_of(surface, project.place(query, p));
+    const Foot foot = foot_of(surface, project.place(queries[i], p));
     const double cosine = dot(p.normal, foot.normal);
     const World3 across = p.normal - cosine * foot.normal;
     const double sign = cosine < 0 ? -1 : 1;

@@ -1,0 +1,33 @@
+#pragma once
+// Every way to project, for parameterised tests.
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/method.h"
+
+namespace pss::test {
+
+/// The methods of some operators: every weight, precision and, where it has a meaning, degree.
+inline std::vector<Method> methods_of(const std::vector<MlsOperator>& operators,
+                                      const std::vector<int>& degrees = {0, 1, 2, 3, 4}) {
+  std::vector<Method> methods;
+  for (const MlsOperator op : operators)
+    for (const WeightKind weight : kWeightKinds)
+      for (const Precision precision : {Precision::kDouble, Precision::kSingle})
+        for (const int degree : needs_normals(op) ? std::vector{3} : degrees)
+          methods.push_back({op, weight, precision, degree});
+  return methods;
+}
+
+/// Names a case of a parameterised test: "levin_gaussian_double_3".
+inline std::string method_name(const testing::TestParamInfo<Method>& info) {
+  const Method& m = info.param;
+  const std::string name =
+      std::string(name_of(m.op)) + "_" + name_of(m.weight) + "_" + name_of(m.precision);
+  return needs_normals(m.op) ? name : name + "_" + std::to_string(m.degree);
+}
+
+}  // namespace pss::test
