@@ -140,7 +140,7 @@ class RunCandidates {
       auto mask = sum <= limit;
       if (c + kLanes < T >> chunks_) mask = hn::And(mask, hn::FirstN(d, chunks_ - c));
       const auto ids = hn::Iota(index, static_cast<Id>(c));
-      hn::StoreU(hn::Compress(ids, hn::RebindMask(index, mask)), index, out + count);
+      hn::StoreU(compress(ids, hn::RebindMask(index, mask)), index, out + count);
       count += hn::CountTrue(d, mask);
     }
     return count;
@@ -193,9 +193,9 @@ class RunCandidates {
   template <class D, class M>
   HWY_INLINE void keep_normals(D d, M mask, std::size_t k, std::size_t count,
                                simd::LaneRow<float>& row) const {
-    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_x.data() + k), mask), d, row.nx.data() + count);
-    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_y.data() + k), mask), d, row.ny.data() + count);
-    hn::StoreU(hn::Compress(hn::LoadU(d, w_.normal_z.data() + k), mask), d, row.nz.data() + count);
+    hn::StoreU(compress(hn::LoadU(d, w_.normal_x.data() + k), mask), d, row.nx.data() + count);
+    hn::StoreU(compress(hn::LoadU(d, w_.normal_y.data() + k), mask), d, row.ny.data() + count);
+    hn::StoreU(compress(hn::LoadU(d, w_.normal_z.data() + k), mask), d, row.nz.data() + count);
   }
 
   /// 32-bit steps to single coordinates: the decision in single too, except near the boundary.
@@ -239,9 +239,9 @@ class RunCandidates {
           mask = length < surely;
         }
         if (HWY_UNLIKELY(k + kLanes < float >> count_)) mask = hn::And(mask, first(d, k));
-        hn::StoreU(hn::Compress(x, mask), d, rx + count);
-        hn::StoreU(hn::Compress(y, mask), d, ry + count);
-        hn::StoreU(hn::Compress(z, mask), d, rz + count);
+        hn::StoreU(compress(x, mask), d, rx + count);
+        hn::StoreU(compress(y, mask), d, ry + count);
+        hn::StoreU(compress(z, mask), d, rz + count);
         if (normals) keep_normals(d, mask, k, count, row);
         count += hn::CountTrue(d, mask);
       }
@@ -299,9 +299,9 @@ class RunCandidates {
         const V z = sz * (doubles(chunks.z.data() + k) - qz) - rz;
         auto mask = fma(x, x, fma(y, y, z * z)) < limit;
         if (HWY_UNLIKELY(k + kLanes < double >> count_)) mask = hn::And(mask, first(d, k));
-        hn::StoreU(hn::Compress(x * per_h, mask), d, row.x.data() + count);
-        hn::StoreU(hn::Compress(y * per_h, mask), d, row.y.data() + count);
-        hn::StoreU(hn::Compress(z * per_h, mask), d, row.z.data() + count);
+        hn::StoreU(compress(x * per_h, mask), d, row.x.data() + count);
+        hn::StoreU(compress(y * per_h, mask), d, row.y.data() + count);
+        hn::StoreU(compress(z * per_h, mask), d, row.z.data() + count);
         if (normals) keep_normals(mask, k, count, row);
         count += hn::CountTrue(d, mask);
       }
@@ -322,7 +322,7 @@ class RunCandidates {
     const Tag<double> d;
     const hn::Rebind<float, Tag<double>> half;
     const auto keep = [&](const float* from, double* to) {
-      hn::StoreU(hn::Compress(hn::PromoteTo(d, hn::LoadU(half, from)), mask), d, to);
+      hn::StoreU(compress(hn::PromoteTo(d, hn::LoadU(half, from)), mask), d, to);
     };
     keep(w_.normal_x.data() + k, row.nx.data() + count);
     keep(w_.normal_y.data() + k, row.ny.data() + count);
@@ -365,9 +365,9 @@ class RunCandidates {
         if (HWY_UNLIKELY(k + kLanes < double >> count_)) mask = hn::And(mask, first(d, k));
         // The mask of doubles as one of floats: 1 or 0, demoted.
         const auto keep = hn::DemoteTo(half, hn::IfThenElseZero(mask, set(1.0))) > hn::Zero(half);
-        hn::StoreU(hn::Compress(local(0, dx), keep), half, row.x.data() + count);
-        hn::StoreU(hn::Compress(local(1, dy), keep), half, row.y.data() + count);
-        hn::StoreU(hn::Compress(local(2, dz), keep), half, row.z.data() + count);
+        hn::StoreU(compress(local(0, dx), keep), half, row.x.data() + count);
+        hn::StoreU(compress(local(1, dy), keep), half, row.y.data() + count);
+        hn::StoreU(compress(local(2, dz), keep), half, row.z.data() + count);
         if (normals) keep_normals(half, keep, k, count, row);
         count += hn::CountTrue(d, mask);
       }

@@ -12,11 +12,13 @@
 #define HWY_TARGET_INCLUDE "core/simd/project.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
+#include "core/simd/apss-inl.h"
 #include "core/simd/fit-inl.h"
 #include "core/simd/gather-inl.h"
 #include "core/simd/lanes-inl.h"
 #include "core/simd/plane-inl.h"
 #include "core/simd/result-inl.h"
+#include "core/simd/rimls-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {
@@ -63,11 +65,15 @@ class Group {
       return w_.twice;
   }
 
+  static std::size_t whole(std::size_t steps) {
+    return (steps + kLanes<T> - 1) / kLanes<T> * kLanes<T>;
+  }
+
   /// The rows as columns, all as long as the longest, to whole vectors.
   Balls<T> transposed() {
     std::size_t most = 1;
     for (std::size_t l = 0; l < lanes_; ++l) most = std::max(most, rows()[l].count);
-    const std::size_t steps = (most + kLanes<T> - 1) / kLanes<T> * kLanes<T>;
+    const std::size_t steps = whole(most);
     w_.balls.reserve(3 * steps * kLanes<T> * sizeof(T));
     T* const x = reinterpret_cast<T*>(w_.balls.data());
     T* const y = x + steps * kLanes<T>;
@@ -80,6 +86,18 @@ class Group {
     transpose_rows(&simd::LaneRow<T>::y, steps, y);
     transpose_rows(&simd::LaneRow<T>::z, steps, z);
     return {x, y, z, most};
+  }
+
+  /// The rows' normals as columns of `size` numbers in all, with room for the heights behind them.
+  BallNormals<T> transposed_normals(std::size_t size) {
+    const std::size_t steps = size / kLanes<T>;
+    w_.normals.reserve(6 * size * sizeof(T));
+    T* const x = reinterpret_cast<T*>(w_.normals.data());
+    for (std::size_t l = 0; l < kLanes<T>; ++l) rows()[l].pad_normals(steps);
+    transpose_rows(&simd::LaneRow<T>::nx, steps, x);
+    transpose_rows(&simd::LaneRow<T>::ny, steps, x + size);
+    transpose_rows(&simd::LaneRow<T>::nz, steps, x + 2 * size);
+    return {x, x + size, x + 2 * size};
   }
 
   void transpose_rows(simd::Buffer<T> simd::LaneRow<T>::*axis, std::size_t steps, T* to) {
@@ -106,6 +124,8 @@ class Group {
     const WeightLanes<T, kKind> weight(radius);
     const auto lanes = hn::FirstN(Tag<T>(), lanes_);
     Stage<T>& stage = *reinterpret_cast<Stage<T>*>(w_.stage.data());
+    if (needs_normals(batch_.method.op))
+      return write(project_implicit(balls, weight, radius, lanes, stage));
     const Planes<T> plane = batch_.method.op == MlsOperator::kFast
                                 ? settled_planes<T>(balls, weight, lanes)
                                 : newton_planes<T>(balls, weight, lanes, stage);
@@ -114,7 +134,25 @@ class Group {
     const V zero = set(T{0});
     const Maps<T> map = fit<T>(batch_.method.degree, balls, weight, radius, axes,
                                Vec3<V>{zero, zero, plane.t}, stage);
-    const Outcomes<T> outcomes = describe<T>(plane, axes, map);
+    write(describe<T>(plane, axes, map));
+  }
+
+  template <class W>
+  Outcomes<T> project_implicit(const Balls<T>& balls, const W& weight, V radius, Mask<T> lanes,
+                               Stage<T>& stage) {
+    const MlsOperator op = batch_.method.op;
+    const bool oriented = batch_.normals.oriented;
+    const std::size_t size = whole(balls.steps) * kLanes<T>;
+    const BallNormals<T> normals = transposed_normals(size);
+    if (!oriented) lanes = hn::And(lanes, agree<T>(balls, normals, weight));
+    const BallHeights<T> heights{normals.z + size, normals.z + 2 * size, normals.z + 3 * size};
+    const Walk<T> walk = op == MlsOperator::kApss
+                             ? walk_apss<T>(balls, normals, weight, lanes)
+                             : walk_rimls<T>(balls, normals, weight, heights, lanes);
+    return describe<T>(walk, op, oriented, balls, weight, radius, stage);
+  }
+
+  void write(const Outcomes<T>& outcomes) {
     for (std::size_t l = 0; l < lanes_; ++l) {
       const std::uint32_t query = rows()[l].query;
       if (!outcomes.write(l, batch_.support(query).h, batch_.method.degree, batch_.results[query]))

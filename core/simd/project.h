@@ -39,10 +39,16 @@ struct LaneRow {
 
   /// Fills the coordinates from `count` to `size` with a place where no weight is.
   void pad(std::size_t size, T far) {
-    for (Buffer<T>* buffer : {&x, &y, &z}) {
-      buffer->reserve(size, count);
-      std::fill(buffer->data() + count, buffer->data() + size, far);
-    }
+    for (Buffer<T>* buffer : {&x, &y, &z}) pad(*buffer, size, far);
+  }
+  void pad_normals(std::size_t size) {
+    for (Buffer<T>* buffer : {&nx, &ny, &nz}) pad(*buffer, size, T{0});
+  }
+
+ private:
+  void pad(Buffer<T>& buffer, std::size_t size, T value) {
+    buffer.reserve(size, count);
+    std::fill(buffer.data() + count, buffer.data() + size, value);
   }
 };
 
@@ -73,7 +79,7 @@ struct Workspace {
   Buffer<float> normal_x, normal_y, normal_z;
   LaneRow<float> single[kMostLanes];
   LaneRow<double> twice[kMostLanes];
-  Buffer<std::byte> balls, stage;
+  Buffer<std::byte> balls, normals, stage;
 };
 
 /// Projects queries[which[i]], in ascending order, in one precision; appends to `rest` those that
