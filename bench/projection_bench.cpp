@@ -57,7 +57,7 @@ void project_points(benchmark::State& state) {
   std::uint64_t done = 0, neighbours = 0;
   for (auto _ : state) {
     grid.gather({points[done * 7919 % kPoints], {}}, reach(support), offsets);
-    const Projection projection = project_levin(offsets, support, degree);
+    const Projection projection = project_point(offsets, support, {.degree = degree});
     neighbours += projection.neighbours;
     ++done;
   }

@@ -5,6 +5,9 @@
 namespace pss {
 namespace {
 
+constexpr double kThick = 0.01;  // mean square height of what may be two sheets
+constexpr double kSplitKurtosis = 1.5;
+
 /// Weighted moments of the neighbours: w x^i y^j up to the order that products of monomials of
 /// the degree reach, w d x^i y^j up to the degree, w d^2.
 template <int Degree>
@@ -17,12 +20,28 @@ struct Moments {
   double area[kRows][kRows] = {};
   double height[kHeightRows][kHeightRows] = {};
   double height_sq = 0;
+  double height_fourth = 0;
+  std::uint32_t neighbours = 0;
+  std::uint32_t near = 0;  // of the neighbours over the unit disc, those at most 1/2 off the plane
+  std::uint32_t far = 0;   // and the others
 
-  void add(const WeightedBlock& b) {
-    for (std::size_t n = 0; n < b.count; ++n) add(b.x[n], b.y[n], b.d[n], b.weight[n]);
+  void add(const WeightedBlock& b, double radius_sq) {
+    for (std::size_t n = 0; n < b.count; ++n) {
+      add(b.x[n], b.y[n], b.d[n], b.weight[n]);
+      count(b.x[n] * b.x[n] + b.y[n] * b.y[n], b.d[n], radius_sq);
+    }
   }
 
  private:
+  void count(double across, double d, double radius_sq) {
+    const bool neighbour = across + d * d < radius_sq;
+    const bool over = neighbour && across < 1;
+    const bool off = std::abs(d) > 0.5;
+    neighbours += neighbour;
+    near += over && !off;
+    far += over && off;
+  }
+
   void add(double x, double y, double d, double w) {
     double y_power[kRows];
     y_power[0] = 1;
@@ -34,6 +53,7 @@ struct Moments {
     }
     double wdx = w * d;
     height_sq += wdx * d;
+    height_fourth += wdx * d * (d * d);
     for (std::size_t i = 0; i < kHeightRows; ++i) {
       for (std::size_t j = 0; j < kHeightRows - i; ++j) height[i][j] += wdx * y_power[j];
       wdx *= x;
@@ -124,13 +144,25 @@ int degree_within(std::size_t count) {
   return degree;
 }
 
+/// Many points over the foot lie off the plane, or the plane lies between two sheets: heights of
+/// one sheet with noise have a kurtosis of 3, of two sheets about 1.
 template <int Degree>
-LocalMap fit(const Neighbourhood& near, const Frame& frame, double t) {
+bool sees_second_sheet(const Moments<Degree>& m) {
+  const double w = m.area[0][0];
+  const bool thick = m.height_sq > kThick * w;
+  const bool split = w * m.height_fourth < kSplitKurtosis * m.height_sq * m.height_sq;
+  return 4 * m.far > m.near || (thick && split);
+}
+
+template <int Degree>
+LocalMap fit(const Neighbourhood& near, const Frame& frame, double t, double radius) {
   Moments<Degree> moments;
-  for_each_block<WeightedBlock>(near, frame, t,
-                                [&](const WeightedBlock& block) { moments.add(block); });
+  for_each_block<WeightedBlock>(
+      near, frame, t, [&](const WeightedBlock& block) { moments.add(block, radius * radius); });
   NormalEquations equations = normal_equations(moments);
   LocalMap map;
+  map.neighbours = moments.neighbours;
+  map.second_sheet = sees_second_sheet(moments);
   map.degree = degree_within(equations.factor(coefficient_count(Degree)));
   if (map.degree < 0) return map;
   const std::size_t count = coefficient_count(map.degree);
@@ -143,18 +175,19 @@ LocalMap fit(const Neighbourhood& near, const Frame& frame, double t) {
 
 }  // namespace
 
-LocalMap fit_local_map(const Neighbourhood& near, const Frame& frame, double t, int degree) {
+LocalMap fit_local_map(const Neighbourhood& near, const Frame& frame, double t, double radius,
+                       int degree) {
   switch (degree) {
     case 0:
-      return fit<0>(near, frame, t);
+      return fit<0>(near, frame, t, radius);
     case 1:
-      return fit<1>(near, frame, t);
+      return fit<1>(near, frame, t, radius);
     case 2:
-      return fit<2>(near, frame, t);
+      return fit<2>(near, frame, t, radius);
     case 3:
-      return fit<3>(near, frame, t);
+      return fit<3>(near, frame, t, radius);
     default:
-      return fit<4>(near, frame, t);
+      return fit<4>(near, frame, t, radius);
   }
 }
 

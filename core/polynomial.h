@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/weighted_block.h"
 
@@ -25,8 +26,10 @@ constexpr std::size_t coefficient_index(std::size_t i, std::size_t j) {
 struct LocalMap {
   int degree = -1;  ///< the one that was determined; -1 where no neighbour has a weight
   std::array<double, coefficient_count(kMostDegree)> coefficients{};  ///< zero beyond the degree
-  double residual = 0;  ///< weighted rms of g - d, to about 1e-8 of the rms of d
-  double boundary = 0;  ///< |weighted mean - q| / weighted rms distance from q
+  double residual = 0;           ///< weighted rms of g - d, to about 1e-8 of the rms of d
+  double boundary = 0;           ///< |weighted mean - q| / weighted rms distance from q
+  std::uint32_t neighbours = 0;  ///< nearer to q than the radius
+  bool second_sheet = false;     ///< another sheet lies within the neighbourhood
 
   double coefficient(std::size_t i, std::size_t j) const {
     return coefficients[coefficient_index(i, j)];
@@ -38,10 +41,11 @@ struct LocalMap {
 /// The degree falls to the highest one below `degree` that the neighbourhood determines: until
 /// each pivot of the normal equations is more than kLeastPivot of its diagonal element.
 ///
-/// Requires: 0 <= degree <= kMostDegree.
+/// Requires: 0 <= degree <= kMostDegree; `radius` in units of h, what counts as a neighbour.
 /// Errors:   none; see LocalMap::degree.
 /// Cost:     one pass: 9, 21, 38, 60 sums for degrees 1 to 4; allocates nothing.
-LocalMap fit_local_map(const Neighbourhood& near, const Frame& frame, double t, int degree);
+LocalMap fit_local_map(const Neighbourhood& near, const Frame& frame, double t, double radius,
+                       int degree);
 
 /// The share of a monomial that its predecessors must leave unexplained to be determined.
 inline constexpr double kLeastPivot = 1e-6;

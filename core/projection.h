@@ -42,9 +42,10 @@ struct Projection {
   double boundary = 0;  ///< |weighted mean - q| / weighted rms distance: 0 inside, 0.56 on an edge
 };
 
-/// Projects the point at offset zero onto the MLS surface of `neighbours`.
+/// Projects the point at offset zero, with every safeguard of docs/algorithm.md: `levin` or `fast`
+/// in double precision, one point after the other. What Projector does where lanes cannot.
 ///
-/// Shape:    `neighbours` are the offsets of all points within reach(support), in key order.
+/// Shape:    `neighbours` are the offsets of all points within reach(), in key order.
 /// Units:    the scan's; curvature 1/length.
 /// Requires: 0 <= degree <= 4, 0 < h <= radius.
 /// Errors:   none; a status. Never NaN.
@@ -52,6 +53,6 @@ struct Projection {
 /// Cost:     five to six passes over the neighbours; allocates nothing.
 /// Source:   Alexa, Behr, Cohen-Or, Fleishman, Levin, Silva, "Computing and Rendering Point Set
 ///           Surfaces", TVCG 9(1), 2003; conditions as in Amenta, Kil, 2004.
-Projection project_levin(const Offsets& neighbours, const Support& support, int degree);
+Projection project_point(const Offsets& neighbours, const Support& support, const Method& method);
 
 }  // namespace pss

@@ -33,11 +33,14 @@ void Projector::project(std::span<const Query> queries, std::span<const Support>
   simd::project_double(batch, single ? w.in_double : w.all, w.kernels, w.last);
   for (const std::uint32_t i : w.last) {
     grid_.gather(queries[i], reach(method_.weight, batch.support(i)), w.offsets);
-    results[i] = project_levin(w.offsets, batch.support(i), method_.degree);
+    results[i] = project_point(w.offsets, batch.support(i), method_);
   }
   for (const std::uint32_t i : w.in_double) results[i].redone = true;
 }
 
-std::size_t Projector::bytes_for(std::size_t ball_points) { return 1024 * ball_points; }
+std::size_t Projector::bytes_for(std::size_t ball_points, MlsOperator op) {
+  // Normals fill as many rows and columns as points do, and rimls keeps three more columns.
+  return (needs_normals(op) ? 2304 : 1024) * ball_points;
+}
 
 }  // namespace pss

@@ -1,5 +1,6 @@
 #include "core/reference_plane.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -11,6 +12,7 @@ namespace pss {
 namespace {
 
 constexpr double kFarthest = 0.5;    // bound of |t|
+constexpr double kSettled = 1e-3;    // a move of `fast` that ends its search
 constexpr double kConverged = 1e-8;  // the error after such a step is its square
 constexpr double kRounding = 1e-15;  // a residual that no step can improve
 constexpr double kMostTurn = 0.3;    // radians a step
@@ -21,7 +23,7 @@ constexpr int kMostPushes = 4;      // against the bound of t
 constexpr int kAlternations = 4;    // passes before Newton is tried again
 constexpr std::size_t kFewest = 3;  // points that a plane needs
 
-/// Sums over the neighbours about the query: weights frozen there.
+/// Sums over the neighbours about a place: weights frozen there.
 struct StartSums {
   std::size_t count = 0;  // of neighbours with a weight
   double w = 0;
@@ -29,9 +31,10 @@ struct StartSums {
   Symmetric3 pp;
 };
 
-StartSums sum_about_query(const Neighbourhood& near) {
+/// Coordinates are those of the frame, seen from its point t n.
+StartSums sum_about(const Neighbourhood& near, const Frame& frame, double t) {
   StartSums s;
-  for_each_block<WeightedBlock>(near, Frame{}, 0, [&](const WeightedBlock& b) {
+  for_each_block<WeightedBlock>(near, frame, t, [&](const WeightedBlock& b) {
     for (std::size_t i = 0; i < b.count; ++i) {
       const double w = b.weight[i];
       const double wx = w * b.x[i];
@@ -70,15 +73,17 @@ bool determines_plane(const EigenSystem& e) {
 
 double bounded(double t) { return t < -kFarthest ? -kFarthest : t > kFarthest ? kFarthest : t; }
 
-/// The smallest direction of the covariance about the weighted centroid, and its plane's height.
-ReferencePlane starting_plane(const Neighbourhood& near) {
-  const StartSums sums = sum_about_query(near);
+/// The smallest direction of the covariance about the weighted centroid, and its plane's height;
+/// weights about the point t n of the frame.
+ReferencePlane weighted_plane(const Neighbourhood& near, const Frame& frame, double t) {
+  const StartSums sums = sum_about(near, frame, t);
   if (sums.count < kFewest) return {};
-  const World3 centroid = 1 / sums.w * sums.p;
-  const EigenSystem eigen = eigen_decomposition(covariance(sums, centroid));
+  const World3 c = 1 / sums.w * sums.p;
+  const EigenSystem eigen = eigen_decomposition(covariance(sums, c));
   if (!determines_plane(eigen)) return {Status::kDegenerate, {}, 0, 0};
-  const World3 n = normalized(eigen.vectors[0]);
-  return {Status::kOk, n, bounded(dot(n, centroid)), 0};
+  const World3 e = normalized(eigen.vectors[0]);
+  const World3 n = e[0] * frame.u + e[1] * frame.v + e[2] * frame.n;
+  return {Status::kOk, n, bounded(dot(e, c) + t * e[2]), 0};
 }
 
 /// The step, shortened to the most that one pass may move.
@@ -197,8 +202,28 @@ class Search {
 }  // namespace
 
 ReferencePlane find_reference_plane(const Neighbourhood& near) {
-  const ReferencePlane start = starting_plane(near);
+  const ReferencePlane start = weighted_plane(near, Frame{}, 0);
   return start.status == Status::kOk ? Search(near, start).run() : start;
+}
+
+ReferencePlane find_settled_plane(const Neighbourhood& near) {
+  ReferencePlane plane = weighted_plane(near, Frame{}, 0);
+  for (int pass = 1; plane.status == Status::kOk; ++pass) {
+    ReferencePlane next = weighted_plane(near, frame_of(plane.normal), plane.t);
+    next.passes = pass;
+    if (next.status != Status::kOk) return next;
+    if (dot(next.normal, plane.normal) < 0) next = {next.status, -next.normal, -next.t, pass};
+    const World3 turn = next.normal - plane.normal;
+    const double move = std::max(
+        {std::abs(turn[0]), std::abs(turn[1]), std::abs(turn[2]), std::abs(next.t - plane.t)});
+    plane = next;
+    if (move <= kSettled) break;
+    if (pass == kMostPasses) plane.status = Status::kDegenerate;
+  }
+  if (plane.status == Status::kOk && std::abs(plane.t) >= kFarthest)
+    plane.status = Status::kOutOfDomain;
+  if (!is_canonical(plane.normal)) plane = {plane.status, -plane.normal, -plane.t, plane.passes};
+  return plane;
 }
 
 }  // namespace pss

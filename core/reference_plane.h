@@ -23,4 +23,11 @@ struct ReferencePlane {
 ///           Surfaces", 2004.
 ReferencePlane find_reference_plane(const Neighbourhood& near);
 
+/// The plane of the operator `fast`: the weighted plane through the weighted centroid, weights
+/// about the foot point, until it no longer moves.
+///
+/// Errors:   none; a status.
+/// Cost:     usually three passes over the neighbours, at most 65; allocates nothing.
+ReferencePlane find_settled_plane(const Neighbourhood& near);
+
 }  // namespace pss

@@ -1,9 +1,20 @@
 #pragma once
-// The weight of a neighbour: a Gaussian that a smooth taper brings to zero at the radius.
+// The weights of a neighbour by its squared distance from the foot point, with their derivatives.
+
+#include <cmath>
+#include <variant>
 
 #include "core/math.h"
+#include "core/method.h"
 
 namespace pss {
+
+/// A weight, and its derivatives with respect to rho^2.
+struct WeightValue {
+  double weight;
+  double first;
+  double second;
+};
 
 /// theta(rho) = exp(-rho^2) S(rho^2), lengths in units of h.
 ///
@@ -11,12 +22,7 @@ namespace pss {
 /// to [0, 1]: 1 up to R - 1/2, 0 from R on, twice continuously differentiable in rho^2.
 class TaperedGaussian {
  public:
-  /// The weight, and its derivatives with respect to rho^2.
-  struct Value {
-    double weight;
-    double first;
-    double second;
-  };
+  using Value = WeightValue;
 
   /// Where exp(-rho^2) is zero whatever the taper does; radii beyond it are cut to it.
   static constexpr double kWidest = 32;
@@ -55,5 +61,62 @@ class TaperedGaussian {
   double radius_sq_;
   double per_width_;
 };
+
+/// (1 - x)^4 (4 x + 1) of x = rho / R, zero from R on; lengths in units of h.
+///
+/// Source: Wendland, "Piecewise polynomial, positive definite and compactly supported radial
+///         functions of minimal degree", 1995.
+class WendlandWeight {
+ public:
+  explicit WendlandWeight(double radius) : per_radius_(1 / radius) {}
+
+  double weight(double rho_sq) const {
+    const double x = std::sqrt(rho_sq) * per_radius_;
+    const double y = x < 1 ? 1 - x : 0;
+    return y * y * y * y * (4 * x + 1);
+  }
+
+  /// The second derivative is singular at 0, where it only ever comes multiplied by heights that
+  /// vanish faster.
+  WeightValue with_derivatives(double rho_sq) const {
+    const double x = std::sqrt(rho_sq) * per_radius_;
+    const double y = x < 1 ? 1 - x : 0;
+    const double scale = per_radius_ * per_radius_;
+    return {y * y * y * y * (4 * x + 1), -10 * scale * y * y * y,
+            15 * scale * scale * y * y / (x > 1e-6 ? x : 1e-6)};
+  }
+
+ private:
+  double per_radius_;
+};
+
+/// exp(-rho^2 / R^2) without a taper, as PCL weighs; zero only where no candidate is.
+class PclWeight {
+ public:
+  explicit PclWeight(double radius) : per_radius_sq_(1 / (radius * radius)) {}
+
+  double weight(double rho_sq) const {
+    constexpr double kNowhere = 1600;  // squared, beyond the widest radius
+    return rho_sq < kNowhere ? exp(-rho_sq * per_radius_sq_) : 0;
+  }
+
+  WeightValue with_derivatives(double rho_sq) const {
+    const double w = weight(rho_sq);
+    return {w, -w * per_radius_sq_, w * per_radius_sq_ * per_radius_sq_};
+  }
+
+ private:
+  double per_radius_sq_;
+};
+
+using AnyWeight = std::variant<TaperedGaussian, WendlandWeight, PclWeight>;
+
+/// Requires: radius >= 1, in units of h.
+inline AnyWeight make_weight(WeightKind kind, double radius) {
+  const double r = radius < TaperedGaussian::kWidest ? radius : TaperedGaussian::kWidest;
+  if (kind == WeightKind::kWendland) return WendlandWeight(r);
+  if (kind == WeightKind::kPcl) return PclWeight(r);
+  return TaperedGaussian(r);
+}
 
 }  // namespace pss

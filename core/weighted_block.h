@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <variant>
 
 #include "core/neighbours.h"
 #include "core/vec3.h"
@@ -14,7 +15,7 @@ namespace pss {
 struct Neighbourhood {
   const Offsets& offsets;
   double per_h;  ///< 1 / h
-  TaperedGaussian weight;
+  AnyWeight weight;
 };
 
 /// Some consecutive neighbours seen from a foot point: in-plane coordinates, heights, weights.
@@ -37,12 +38,14 @@ inline double within_reach(double coordinate) {
   return upper > -kBeyond ? upper : -kBeyond;
 }
 
-inline void weigh(const TaperedGaussian& weight, double rho_sq, std::size_t i, WeightedBlock& b) {
+template <class Weight>
+void weigh(const Weight& weight, double rho_sq, std::size_t i, WeightedBlock& b) {
   b.weight[i] = weight.weight(rho_sq);
 }
 
-inline void weigh(const TaperedGaussian& weight, double rho_sq, std::size_t i, DerivativeBlock& b) {
-  const TaperedGaussian::Value value = weight.with_derivatives(rho_sq);
+template <class Weight>
+void weigh(const Weight& weight, double rho_sq, std::size_t i, DerivativeBlock& b) {
+  const WeightValue value = weight.with_derivatives(rho_sq);
   b.weight[i] = value.weight;
   b.first[i] = value.first;
   b.second[i] = value.second;
@@ -51,11 +54,12 @@ inline void weigh(const TaperedGaussian& weight, double rho_sq, std::size_t i, D
 /// Calls use(block) for all neighbours in order, seen from the point t n of `frame`.
 ///
 /// The loop inside has no branch and no sum: it vectorises, and no sum's order changes.
-template <class Block, class Use>
-void for_each_block(const Neighbourhood& near, const Frame& frame, double t, Use use) {
+template <class Block, class Weight, class Use>
+void for_each_block(const Neighbourhood& near, const Weight& weight_at, const Frame& frame,
+                    double t, Use use) {
   Block block;
   const Frame f = frame;
-  const TaperedGaussian weight = near.weight;
+  const Weight weight = weight_at;
   const double per_h = near.per_h;
   for (std::size_t begin = 0; begin < near.offsets.size(); begin += Block::kSize) {
     const std::size_t count = std::min(Block::kSize, near.offsets.size() - begin);
@@ -77,6 +81,13 @@ void for_each_block(const Neighbourhood& near, const Frame& frame, double t, Use
     block.count = count;
     use(static_cast<const Block&>(block));
   }
+}
+
+/// The same with the neighbourhood's own weight.
+template <class Block, class Use>
+void for_each_block(const Neighbourhood& near, const Frame& frame, double t, Use use) {
+  std::visit([&](const auto& weight) { for_each_block<Block>(near, weight, frame, t, use); },
+             near.weight);
 }
 
 }  // namespace pss

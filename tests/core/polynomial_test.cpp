@@ -17,7 +17,7 @@ void add(Offsets& offsets, double x, double y, double z) {
 }
 
 LocalMap fit(const Offsets& offsets, int degree, double radius = 3, double t = 0) {
-  return fit_local_map({offsets, 1, TaperedGaussian(radius)}, Frame{}, t, degree);
+  return fit_local_map({offsets, 1, TaperedGaussian(radius)}, Frame{}, t, radius, degree);
 }
 
 /// Points spread over the disc, heights by `height`.

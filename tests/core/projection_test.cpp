@@ -83,7 +83,8 @@ TEST(ProjectLevin, GivesEveryOddNeighbourhoodAStatusAndNoNaN) {
       for (const double factor : {1.0, 3.0, 40.0, 1e12})
         for (int degree = 0; degree <= 4; ++degree) {
           if (points.size() > 1000 && degree % 2 == 0) continue;
-          const Projection p = project_levin(offsets_of(points), {h, factor * h}, degree);
+          const Projection p =
+              project_point(offsets_of(points), {h, factor * h}, {.degree = degree});
           SCOPED_TRACE(name + ", degree " + std::to_string(degree));
           EXPECT_TRUE(is_finite(p.displacement));
           EXPECT_TRUE(is_finite(p.normal));
@@ -119,12 +120,13 @@ TEST(ProjectLevin, NamesWhyAPointStays) {
                             {"two lines", Status::kDegreeReduced},
                             {"plane", Status::kOk},
                             {"plane and copies", Status::kOk}})
-    EXPECT_EQ(project_levin(offsets_of(odd[e.name]), {1, 3}, 3).status, e.status) << e.name;
+    EXPECT_EQ(project_point(offsets_of(odd[e.name]), {1, 3}, {.degree = 3}).status, e.status)
+        << e.name;
 }
 
 TEST(ProjectLevin, LeavesAPointOfAPlaneInPlace) {
   for (int degree = 0; degree <= 4; ++degree) {
-    const Projection p = project_levin(offsets_of(sheet(0)), {1, 3}, degree);
+    const Projection p = project_point(offsets_of(sheet(0)), {1, 3}, {.degree = degree});
     EXPECT_EQ(p.status, Status::kOk);
     EXPECT_EQ(p.displacement, (World3{0, 0, 0}));
     EXPECT_EQ(p.normal, (World3{0, 0, 1}));
@@ -134,7 +136,7 @@ TEST(ProjectLevin, LeavesAPointOfAPlaneInPlace) {
 }
 
 TEST(ProjectLevin, CountsTheNeighboursWithinTheRadiusOfTheFootPoint) {
-  const Projection p = project_levin(offsets_of(sheet(0.3, 0.25, 30)), {1, 3}, 2);
+  const Projection p = project_point(offsets_of(sheet(0.3, 0.25, 30)), {1, 3}, {.degree = 2});
   int expected = 0;
   for (int i = -30; i <= 30; ++i)
     for (int j = -30; j <= 30; ++j) expected += 0.0625 * (i * i + j * j) < 9;
@@ -142,10 +144,12 @@ TEST(ProjectLevin, CountsTheNeighboursWithinTheRadiusOfTheFootPoint) {
 }
 
 TEST(ProjectLevin, MergesSheetsNearerThanThreeQuartersOfTheWidthAndKeepsFarOnesApart) {
-  const Projection near = project_levin(offsets_of(joined(sheet(0), sheet(0.5))), {1, 3}, 3);
+  const Projection near =
+      project_point(offsets_of(joined(sheet(0), sheet(0.5))), {1, 3}, {.degree = 3});
   ASSERT_EQ(near.status, Status::kOk);
   EXPECT_NEAR(near.displacement[2], 0.25, 1e-12);
-  const Projection far = project_levin(offsets_of(joined(sheet(0), sheet(2.4))), {1, 3}, 3);
+  const Projection far =
+      project_point(offsets_of(joined(sheet(0), sheet(2.4))), {1, 3}, {.degree = 3});
   ASSERT_EQ(far.status, Status::kOk);
   EXPECT_LT(std::abs(far.displacement[2]), 0.1);
 }
@@ -159,7 +163,7 @@ TEST_P(ProjectionOfDegrees, ProjectFromWithinHalfAWidthAndNotFromBeyond) {
     const double height = 0.05 * i + 0.001;
     std::vector<World3> points = sheet(height, 0.2, 25);
     std::erase_if(points, [&](const World3& p) { return dot(p, p) >= 3.5 * 3.5; });
-    const Projection p = project_levin(offsets_of(points), {1, 3}, degree);
+    const Projection p = project_point(offsets_of(points), {1, 3}, {.degree = degree});
     const bool inside = std::abs(height) < 0.5;
     EXPECT_EQ(p.status, inside ? Status::kOk : Status::kOutOfDomain) << height;
     EXPECT_NEAR(p.displacement[2], inside ? height : 0, 1e-12);

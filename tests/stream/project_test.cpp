@@ -5,69 +5,12 @@
 #include <atomic>
 
 #include "core/parallel.h"
-#include "stream/scheduler.h"
-#include "tests/stream/store_fixture.h"
-#include "tests/support/cloud.h"
-#include "tests/support/test_data.h"
+#include "tests/stream/project_fixture.h"
 
 namespace pss {
 namespace {
 
-using test::Cloud;
-using test::expect_ok;
-using test::expect_value;
-
-constexpr std::size_t kPoints = 7000;
-constexpr std::uint64_t kMiB = 1u << 20;
-const Lattice kLattice{{0.001, 0.001, 0.001}, {500000, 4649776, 100}};
-
-Schema class_schema() { return Schema({{"Classification", Type::kUint8, 1, 1, 0, {}}}); }
-
-/// A noisy wave over a square of 60 x 60, spacing about 0.7; one point in fifty is noise class.
-Cloud wave(std::uint64_t seed) {
-  test::Random random(seed);
-  std::vector<World3> world;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const double x = random.uniform(0, 60), y = random.uniform(0, 60);
-    world.push_back({500000 + x, 4649776 + y, 100 + std::sin(x / 8) * 3 + 0.1 * random.normal()});
-  }
-  Cloud cloud{test::on_lattice_sorted(kLattice, world), std::vector<std::byte>(kPoints)};
-  for (std::size_t i = 0; i < kPoints; i += 50) cloud.rows[i] = std::byte{7};
-  return cloud;
-}
-
-/// The cloud as a store whose tiles end at `cuts`.
-Store store_of(const Cloud& cloud, const std::string& path, std::vector<std::size_t> cuts) {
-  StoreHeader header;
-  header.lattice = kLattice;
-  header.grid = kLattice;
-  header.schema = class_schema();
-  StoreWriter writer = expect_value(StoreWriter::create(path, header));
-  std::size_t begin = 0;
-  cuts.push_back(cloud.positions.size());
-  for (const std::size_t end : cuts) {
-    expect_ok(test::append_tile(writer, header.schema, cloud, begin, end));
-    begin = end;
-  }
-  expect_ok(writer.finish("{}"));
-  return expect_value(Store::open(path));
-}
-
-ProjectParameters fixed_support() {
-  ProjectParameters parameters;
-  parameters.support = {1.4, 4.2};
-  parameters.outputs = kAllOutputs;
-  return parameters;
-}
-
-ProjectParameters nearest_support() {
-  ProjectParameters parameters;
-  parameters.nearest = 24;
-  parameters.cap = 7;
-  parameters.first_guess = 1;  // too small on purpose: parts are loaded again
-  parameters.outputs = kAllOutputs;
-  return parameters;
-}
+using namespace test;
 
 /// Stops at the n-th question.
 class StopAt : public Monitor {
@@ -79,23 +22,6 @@ class StopAt : public Monitor {
   mutable std::atomic<int> left_;
 };
 
-Cloud project(const Store& source, const ProjectParameters& parameters, const std::string& path,
-              std::uint64_t limit = 512 * kMiB) {
-  MemoryBudget budget(limit, 1);
-  Monitor monitor;
-  const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
-  StoreWriter writer = expect_value(StoreWriter::create(path, op.result_header()));
-  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
-  EXPECT_EQ(summary.own_points, source.points());
-  expect_ok(writer.finish("{}"));
-  return expect_value(test::read_all(expect_value(Store::open(path))));
-}
-
-void expect_equal(const Cloud& found, const Cloud& expected) {
-  EXPECT_EQ(found.positions, expected.positions);
-  EXPECT_EQ(found.rows, expected.rows);
-}
-
 /// The limit that leaves `bytes` for parts.
 std::uint64_t limit_leaving(std::uint64_t bytes) {
   return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
@@ -104,12 +30,12 @@ std::uint64_t limit_leaving(std::uint64_t bytes) {
 /// What the first tile takes as one part.
 std::uint64_t bytes_of_first_tile(const Store& source, const ProjectParameters& parameters) {
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
-  const PartLoader loader(source, op.result_header().schema.row_size());
+  const PartLoader loader(source, op.needs());
   return op.bytes(expect_value(loader.plan({0, 0, source.tiles()[0].blocks, op.largest_reach()})));
 }
 
 TEST(Project, EqualsTheSameComputationInMemory) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(1);
   const Store source = store_of(cloud, folder / "s.pss", {1000, 3000, 3001, 5000});
   const ProjectParameters parameters = fixed_support();
@@ -125,7 +51,8 @@ TEST(Project, EqualsTheSameComputationInMemory) {
     for (std::int64_t& c : expected) c *= 256;
     if (cloud.rows[i] == std::byte{0}) {
       grid.gather({cloud.positions[i], {}}, reach(parameters.support), offsets);
-      const Projection p = project_levin(offsets, parameters.support, parameters.method.degree);
+      const Projection p =
+          project_point(offsets, parameters.support, {.degree = parameters.method.degree});
       for (std::size_t a = 0; a < 3; ++a)
         expected[a] += std::llrint(p.displacement[a] / (0.001 / 256));
     }
@@ -134,7 +61,7 @@ TEST(Project, EqualsTheSameComputationInMemory) {
 }
 
 TEST(Project, GivesTheSameRowsHoweverTilesAndPartsAreCut) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(2);
   for (const ProjectParameters& parameters : {fixed_support(), nearest_support()}) {
     const Store whole = store_of(cloud, folder / "whole.pss", {});
@@ -153,7 +80,7 @@ TEST(Project, GivesTheSameRowsHoweverTilesAndPartsAreCut) {
 }
 
 TEST(Project, AsksOncePerPlaceAndAnswersForAllItsPoints) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   Cloud cloud = wave(8);
   for (std::size_t i = 0; i + 4 < kPoints; i += 5)  // runs of up to five points at one place
     for (std::size_t k = 1; k < 5; ++k) cloud.positions[i + k] = cloud.positions[i];
@@ -175,7 +102,7 @@ TEST(Project, AsksOncePerPlaceAndAnswersForAllItsPoints) {
 }
 
 TEST(Project, NarrowsWhatABufferIsTooNarrowForSoThatTilesDoNotShow) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(9);
   const Store whole = store_of(cloud, folder / "whole.pss", {});
   const Store tiles = store_of(cloud, folder / "tiles.pss", {1, 100, 2000, 2001, 5000, 6999});
@@ -201,7 +128,7 @@ TEST(Narrowed, SupportsReachNoFartherThanTheWidth) {
 }
 
 TEST(Project, WidensTheHaloUntilEveryKthNeighbourIsCertain) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(3);
   const Store source = store_of(cloud, folder / "s.pss", {2500, 5000});
   const ProjectOperator op = expect_value(ProjectOperator::create(source, nearest_support()));
@@ -215,7 +142,7 @@ TEST(Project, WidensTheHaloUntilEveryKthNeighbourIsCertain) {
 }
 
 TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(4);
   const Store source = store_of(cloud, folder / "s.pss", {700, 2800, 3900, 5600});
   const ProjectOperator op = expect_value(ProjectOperator::create(source, fixed_support()));
@@ -238,11 +165,11 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
   }
 
   EXPECT_GT(interruptions, 1);
-  expect_equal(expect_value(test::read_all(expect_value(Store::open(folder / "r.pss")))), expected);
+  expect_equal(expect_value(read_all(expect_value(Store::open(folder / "r.pss")))), expected);
 }
 
 TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(5);
   const Store source = store_of(cloud, folder / "s.pss", {});
   ProjectParameters parameters = fixed_support();
@@ -261,7 +188,7 @@ TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
 }
 
 TEST(Project, LeavesExcludedPointsUnchangedAndOutOfEveryNeighbourhood) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   Cloud cloud = wave(6);
   const Store with = store_of(cloud, folder / "with.pss", {3500});
   const Cloud smoothed = project(with, fixed_support(), folder / "r.pss");
@@ -288,7 +215,7 @@ TEST(Project, LeavesExcludedPointsUnchangedAndOutOfEveryNeighbourhood) {
 }
 
 TEST(Project, KeepsAPointWhosePlaceTheOutputCannotHold) {
-  test::TemporaryDirectory folder;
+  TemporaryDirectory folder;
   const Cloud cloud = wave(7);
   const Store source = store_of(cloud, folder / "s.pss", {});
   ProjectParameters parameters = fixed_support();
