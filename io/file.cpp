@@ -207,6 +207,11 @@ std::string directory_of(const std::string& path) {
   return parent.empty() ? "." : parent;
 }
 
+bool is_store_name(std::string_view path) {
+  while (path.ends_with('/')) path.remove_suffix(1);
+  return path.ends_with(".pss");
+}
+
 Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t limit) {
   PSS_ASSIGN(const File file, File::open(path));
   PSS_ASSIGN(const std::uint64_t size, file.size());

@@ -62,6 +62,9 @@ bool same_disk(const std::string& a, const std::string& b);
 /// The directory part of a path, "." where there is none.
 std::string directory_of(const std::string& path);
 
+/// Whether a path names a store of tiles, there or not: it ends in ".pss", or ".pss/".
+bool is_store_name(std::string_view path);
+
 /// Reads a whole small file; one larger than `limit` is an error.
 Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t limit);
 /// Writes a whole small file: a new one beside it, synced, then renamed over it.

@@ -22,11 +22,6 @@ Error failed(const std::string& path, const char* what) {
   return {Fault::kFailed, fmt::format("{}: {}", path, what)};
 }
 
-bool is_store(std::filesystem::path path) {
-  if (!path.has_filename()) path = path.parent_path();  // NAME.pss/
-  return path.extension() == ".pss";
-}
-
 /// What the arguments mean so far.
 struct Expansion {
   const std::string& output;
@@ -71,7 +66,7 @@ Result<void> add_matches(const std::string& pattern, Expansion& out) {
   for (std::size_t i = 0; i < found.matches.gl_pathc; ++i) {
     const std::string path = found.matches.gl_pathv[i];
     std::error_code ignored;
-    if (!std::filesystem::is_directory(path, ignored) || is_store(path)) out.add_found(path);
+    if (!std::filesystem::is_directory(path, ignored) || is_store_name(path)) out.add_found(path);
   }
   return {};
 }
@@ -79,7 +74,8 @@ Result<void> add_matches(const std::string& pattern, Expansion& out) {
 Result<void> add_path(const std::string& path, Expansion& out) {
   std::error_code code;
   const auto status = std::filesystem::status(path, code);
-  if (std::filesystem::is_directory(status) && !is_store(path)) return add_directory(path, out);
+  if (std::filesystem::is_directory(status) && !is_store_name(path))
+    return add_directory(path, out);
   if (std::filesystem::exists(status)) {
     out.paths.push_back(path);
     return {};

@@ -168,10 +168,4 @@ bool is_store(const std::string& path) {
   return exists(manifest_path(path)) || exists(open_manifest_path(path));
 }
 
-bool is_store_name(const std::string& path) {
-  std::string_view name = path;
-  while (name.ends_with('/')) name.remove_suffix(1);
-  return name.ends_with(".pss");
-}
-
 }  // namespace pss

@@ -100,9 +100,6 @@ std::string manifest_path(const std::string& store);
 std::string open_manifest_path(const std::string& store);
 std::string segment_path(const std::string& store, std::uint32_t number);
 
-/// Whether a name asks for a store: it ends in ".pss".
-bool is_store_name(const std::string& path);
-
 /// Whether a directory is a store, finished or not.
 bool is_store(const std::string& path);
 

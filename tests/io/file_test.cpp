@@ -227,6 +227,13 @@ TEST(Files, DirectoryOfIsTheParentOrHere) {
   EXPECT_EQ(directory_of("/c"), "/");
 }
 
+TEST(Files, StoresHaveNamesThatEndInPss) {
+  for (const char* name : {"a.pss", "a.pss/", "in/b.c.pss", "/a.pss//"})
+    EXPECT_TRUE(is_store_name(name)) << name;
+  for (const char* name : {"a.las", "pss", "a.pss/b.las", "a.pss.work", "", "/"})
+    EXPECT_FALSE(is_store_name(name)) << name;
+}
+
 TEST(Files, FreeSpaceIsKnownForNamesThatAreNotThereYet) {
   TemporaryDirectory directory;
 
