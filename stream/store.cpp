@@ -94,7 +94,13 @@ Result<Store> Store::open(const std::string& path) {
 Result<void> Store::open_segments() {
   const auto ends = segment_ends(manifest_.tiles);
   for (std::uint32_t n = 0; n < ends.size(); ++n) {
-    PSS_ASSIGN(File file, File::open(segment_path(path_, n)));
+    const std::string segment = segment_path(path_, n);
+    if (!exists(segment))
+      return Error{Fault::kBadInput,
+                   fmt::format("{}: damaged: found no such file, expected {} bytes; copy the store "
+                               "again, or build it again",
+                               segment, ends[n])};
+    PSS_ASSIGN(File file, File::open(segment));
     PSS_ASSIGN(const std::uint64_t size, file.size());
     if (size < ends[n] || (complete() && size > ends[n]))
       return Error{Fault::kBadInput,

@@ -230,5 +230,18 @@ TEST(Store, FindsASegmentCutShort) {
   }
 }
 
+TEST(Store, WithoutOneOfItsSegmentsIsDamaged) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  make_store(path, true);
+  expect_ok(remove_all(segment_path(path, 0)));
+
+  const auto store = Store::open(path);
+
+  ASSERT_FALSE(store.has_value());
+  EXPECT_EQ(store.error().fault, Fault::kBadInput);
+  EXPECT_NE(store.error().message.find(segment_path(path, 0)), std::string::npos);
+}
+
 }  // namespace
 }  // namespace pss
