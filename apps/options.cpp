@@ -16,7 +16,10 @@ namespace pss {
 
 namespace {
 
-Error usage(std::string_view text, const char* expected) {
+/// More only wait for each other, and each takes memory.
+constexpr int kMostThreadsPerProcessor = 8;
+
+Error usage(std::string_view text, std::string_view expected) {
   return {Fault::kUsage, fmt::format("found '{}', expected {}", text, expected)};
 }
 
@@ -72,6 +75,15 @@ Result<int> parse_integer(std::string_view text) {
   if (fault != std::errc() || rest != text.data() + text.size() || value < 0)
     return usage(text, "a whole number such as 4");
   return value;
+}
+
+Result<int> parse_threads(std::string_view text) {
+  PSS_ASSIGN(const int threads, parse_integer(text));
+  const int most = kMostThreadsPerProcessor * thread_count();
+  if (threads > most)
+    return usage(text,
+                 fmt::format("at most {}: this machine runs {} at once", most, thread_count()));
+  return threads;
 }
 
 Result<std::uint64_t> parse_count(std::string_view text) {
@@ -137,7 +149,7 @@ void LimitOptions::declare(Arguments& arguments) {
                    "Most memory that pss may use: 512M, 4G (2^20, 2^30 bytes), 50% "
                    "[70% of what the machine or its cgroup has]",
                    memory_limit, parse_size);
-  arguments.option("--threads", "N", "Threads to compute with; 0: all [0]", threads, parse_integer);
+  arguments.option("--threads", "N", "Threads to compute with; 0: all [0]", threads, parse_threads);
 }
 
 Result<std::uint64_t> LimitOptions::limit() const {

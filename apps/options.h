@@ -22,6 +22,8 @@ Result<double> parse_number(std::string_view text);
 Result<double> parse_positive(std::string_view text);
 /// A whole number that is not negative: "4".
 Result<int> parse_integer(std::string_view text);
+/// How many threads: "4"; 0 for all, and no more than a few for each that the machine runs.
+Result<int> parse_threads(std::string_view text);
 /// How many: "1000", "10k", "2M", "1e9"; k, M, G, T are powers of 1000.
 Result<std::uint64_t> parse_count(std::string_view text);
 /// How many points a tile owns at most: a count from 1 to 2^30.

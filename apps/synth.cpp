@@ -48,7 +48,7 @@ class Synth : public Command {
     arguments.flag("--json", "With --measure: JSON instead of a table", json_);
     declare_scan(arguments);
     declare_overwrite(arguments, overwrite_);
-    arguments.option("--threads", "N", "Threads to use [all]", threads_, parse_integer);
+    arguments.option("--threads", "N", "Threads to use [all]", threads_, parse_threads);
     reports_.declare_progress(arguments);
     arguments.epilogue(kEpilogue);
   }

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "core/parallel.h"
 #include "stream/memory.h"
 
 namespace pss::test {
@@ -63,6 +66,16 @@ TEST(Options, NumbersRefuseWhatFollowsThem) {
   EXPECT_FALSE(parse_integer("2147483648"));
   EXPECT_FALSE(parse_triple("1,2"));
   EXPECT_FALSE(parse_triple("1,2,3,"));
+}
+
+TEST(Options, ThreadsAreNotManyMoreThanTheMachineRuns) {
+  EXPECT_EQ(*parse_threads("0"), 0);
+  EXPECT_EQ(*parse_threads(std::to_string(2 * thread_count())), 2 * thread_count());
+  const Result<int> threads = parse_threads("100000");
+  ASSERT_FALSE(threads);
+  EXPECT_EQ(threads.error().fault, Fault::kUsage);
+  const std::string machine = "this machine runs " + std::to_string(thread_count());
+  EXPECT_NE(threads.error().message.find(machine), std::string::npos) << threads.error().message;
 }
 
 TEST(Options, ALimitBelowTheProgramsOwnNeedIsRefusedWithTheOneThatWouldDo) {
