@@ -43,7 +43,7 @@ class Projector {
                std::span<Projection> results);
 
   /// What a projector allocates at most when no ball holds more than `ball_points` points.
-  static std::size_t bytes_for(std::size_t ball_points);
+  static std::size_t bytes_for(std::size_t ball_points, MlsOperator op = MlsOperator::kLevin);
 
  private:
   struct Workspace;
