@@ -42,6 +42,12 @@ HWY_INLINE void store(V v, hn::TFromV<V>* to) {
   hn::Store(v, hn::DFromV<V>(), to);
 }
 
+/// No lane.
+template <class T>
+HWY_INLINE Mask<T> none() {
+  return hn::Ne(hn::Zero(Tag<T>()), hn::Zero(Tag<T>()));
+}
+
 /// a b + c, rounded once in every target: where the machine cannot, std::fma does it.
 template <class V>
 HWY_INLINE V fma(V a, V b, V c) {

@@ -23,6 +23,9 @@ struct Balls {
   std::size_t steps;
 };
 
+/// Passes on which t may be pushed against its bound.
+inline constexpr int kMostPushes = 4;
+
 /// What decides that a lane goes on with the next precision, or with the safeguarded search.
 template <class T>
 struct Tolerance;
@@ -35,6 +38,7 @@ struct Tolerance<double> {
   static constexpr double kFarthest = 0.5;     // bound of |t| and of the height
   static constexpr double kLeastPivot = 1e-6;  // of its diagonal element
   static constexpr int kMostPasses = 10;
+  static constexpr bool kDecides = true;    // what is out of the domain
   static constexpr double kSettled = 1e-3;  // of `fast`
   static constexpr int kMostPlanePasses = 64;
 };
@@ -47,16 +51,19 @@ struct Tolerance<float> {
   static constexpr float kFarthest = 0.45f;
   static constexpr float kLeastPivot = 1e-2f;
   static constexpr int kMostPasses = 6;
+  static constexpr bool kDecides = false;
   static constexpr float kSettled = 1e-3f;
   static constexpr int kMostPlanePasses = 6;
 };
 
-/// A plane a lane: the foot t n of the query, and whether the lane is still on the easy path.
+/// A plane a lane: the foot t n of the query, and whether the lane is still on the easy path;
+/// whether it is so by having been found out of the domain.
 template <class T>
 struct Planes {
   Vec3<Vec<T>> n;
   Vec<T> t;
   Mask<T> easy;
+  Mask<T> outside;
 };
 
 /// Sums about a place q, weights frozen there.
@@ -112,7 +119,7 @@ HWY_INLINE Planes<T> plane_of(const PlaneSums<Vec<T>>& s, const Vec3<Vec<T>>& q)
   const auto plane = hn::And(hn::And(eigen.most > set(T(1e-24)), eigen.middle > least),
                              eigen.middle - eigen.least > least);
   const Vec3<V> n = normalized(eigen.least_vector);
-  return {n, dot(n, q + c), hn::And(enough, plane)};
+  return {n, dot(n, q + c), hn::And(enough, plane), none<T>()};
 }
 
 template <class V>
@@ -123,7 +130,7 @@ HWY_INLINE V bounded(V t, V bound) {
 template <class T>
 HWY_INLINE Planes<T> canonical(const Planes<T>& p) {
   const auto flip = hn::Not(is_canonical(p.n));
-  return {negated_where(flip, p.n), hn::IfThenElse(flip, hn::Neg(p.t), p.t), p.easy};
+  return {negated_where(flip, p.n), hn::IfThenElse(flip, hn::Neg(p.t), p.t), p.easy, p.outside};
 }
 
 /// `fast`: the weighted plane about the foot point, until it no longer moves.
@@ -153,7 +160,13 @@ Planes<T> settled_planes(const Balls<T>& balls, const W& weight, Mask<T> lanes) 
     plane.easy = hn::And(plane.easy, hn::Or(next.easy, hn::Not(moving)));
     moving = hn::And(hn::And(moving, plane.easy), hn::Max(turned, slid) > settled);
   }
-  plane.easy = hn::And(hn::And(plane.easy, hn::Not(moving)), hn::Abs(plane.t) < farthest);
+  plane.easy = hn::And(plane.easy, hn::Not(moving));
+  const auto inside = hn::Abs(plane.t) < farthest;
+  if constexpr (Tolerance<T>::kDecides)
+    plane.outside = hn::AndNot(inside, plane.easy);
+  else
+    plane.easy = hn::And(plane.easy, inside);
+  plane.t = bounded(plane.t, set(T(0.5)));
   return canonical(plane);
 }
 
@@ -268,6 +281,7 @@ NewtonSums<Vec<T>> newton_sums(const Balls<T>& balls, const W& weight, const Axe
 template <class V, class M>
 struct NewtonStep {
   V a, b, t;
+  V f2;  // the second condition: which way t is driven
   V residual_sq;
   M minimum;
 };
@@ -320,46 +334,63 @@ HWY_INLINE NewtonStep<Vec<T>, Mask<T>> newton_step(const NewtonSums<Vec<T>>& s, 
   const V dt = hn::Neg(r3 / hn::IfThenElse(sound2, m22, one));
   const V db = fnma(k12, dt, hn::Neg(r1)) * p1;
   const V da = fnma(j02, dt, fnma(j01, db, hn::Neg(f0))) * p0;
-  return {da, db, dt, fma(f0, f0, fma(f1, f1, f2 * f2)), minimum};
+  return {da, db, dt, f2, fma(f0, f0, fma(f1, f1, f2 * f2)), minimum};
+}
+
+/// The frame turned and t slid by a step, of at most 0.3 radians and then at most 0.25 in t.
+template <class V, class M>
+HWY_INLINE void move(const NewtonStep<V, M>& step, const Axes<V>& axes, V t, Vec3<V>& next_n,
+                     V& next_t) {
+  using T = hn::TFromV<V>;
+  const V turn = hn::Sqrt(fma(step.a, step.a, step.b * step.b));
+  const V slide = hn::Abs(step.t);
+  V scale = hn::IfThenElse(turn > set(T(0.3)), set(T(0.3)) / turn, set(T(1)));
+  scale = hn::IfThenElse(slide * scale > set(T(0.25)), set(T(0.25)) / slide, scale);
+  next_n = normalized(axes.n + (step.a * scale) * axes.u + (step.b * scale) * axes.v);
+  next_t = bounded(fma(step.t, scale, t), set(T(0.5)));
 }
 
 /// `levin`: Newton's method from the weighted plane about the query.
 ///
 /// A lane stays easy while no safeguard is needed: the conditions at a minimum on every pass, a
-/// residual that falls, t away from its bound, few passes.
+/// residual that falls, few passes; in single precision also t away from its bound.
 template <class T, class W>
 Planes<T> newton_planes(const Balls<T>& balls, const W& weight, Mask<T> lanes, Stage<T>& stage) {
   using V = Vec<T>;
   using Tol = Tolerance<T>;
   const V zero = set(T{0});
-  const V one = set(T{1});
   const V farthest = set(Tol::kFarthest);
   const Vec3<V> query{zero, zero, zero};
   Planes<T> plane = plane_of<T>(sum_about<T>(balls, weight, query), query);
-  plane.easy = hn::And(hn::And(plane.easy, lanes), hn::Abs(plane.t) < farthest);
+  plane.t = bounded(plane.t, set(T(0.5)));
+  plane.easy = hn::And(plane.easy, lanes);
   auto moving = plane.easy;
   V last = set(T(1e30));
+  V pushes = zero;  // passes on which t stood at its bound and was pushed against it
   for (int pass = 0; pass < Tol::kMostPasses && !hn::AllFalse(Tag<T>(), moving); ++pass) {
     const Axes<V> axes = axes_of(plane.n);
     const auto step = newton_step<T>(newton_sums<T>(balls, weight, axes, plane.t, stage), plane.t);
-    const auto good = hn::And(step.minimum, step.residual_sq <= last);
+    const auto pushed = hn::And(hn::Abs(plane.t) >= farthest, step.f2 * plane.t > zero);
+    pushes = pushes + hn::IfThenElseZero(pushed, set(T(1)));
+    const auto lost = hn::And(moving, pushes >= set(T(kMostPushes)));
+    plane.outside = hn::Or(plane.outside, lost);
+    moving = hn::AndNot(lost, moving);
+    const auto good = hn::And(step.minimum, hn::Or(pushed, step.residual_sq <= last));
     last = step.residual_sq;
-    // At most 0.3 radians, and then at most 0.25 in t.
-    const V turn = hn::Sqrt(fma(step.a, step.a, step.b * step.b));
-    const V slide = hn::Abs(step.t);
-    V scale = hn::IfThenElse(turn > set(T(0.3)), set(T(0.3)) / turn, one);
-    scale = hn::IfThenElse(slide * scale > set(T(0.25)), set(T(0.25)) / slide, scale);
-    const Vec3<V> n = normalized(plane.n + (step.a * scale) * axes.u + (step.b * scale) * axes.v);
-    const V t = fma(step.t, scale, plane.t);
-    plane.easy = hn::And(plane.easy, hn::Or(hn::Not(moving), hn::And(good, hn::Abs(t) < farthest)));
+    Vec3<V> n;
+    V t;
+    move(step, axes, plane.t, n, t);
+    const auto inside = hn::Abs(t) < farthest;
+    const auto easy = Tol::kDecides ? good : hn::And(good, inside);
+    plane.easy = hn::And(plane.easy, hn::Or(hn::Not(moving), easy));
     plane.n = select(moving, n, plane.n);
     plane.t = hn::IfThenElse(moving, t, plane.t);
-    const V size = hn::Max(hn::Max(hn::Abs(step.a), hn::Abs(step.b)), slide);
+    const V size = hn::Max(hn::Max(hn::Abs(step.a), hn::Abs(step.b)), hn::Abs(step.t));
     const auto done = hn::Or(size <= set(Tol::kConverged),
                              step.residual_sq <= set(Tol::kRounding * Tol::kRounding));
-    moving = hn::And(hn::And(moving, plane.easy), hn::Not(done));
+    moving = hn::AndNot(hn::And(done, inside), hn::And(moving, plane.easy));
   }
-  plane.easy = hn::And(plane.easy, hn::Not(moving));
+  plane.easy = hn::AndNot(moving, plane.easy);
   return canonical(plane);
 }
 

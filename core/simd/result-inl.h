@@ -46,6 +46,12 @@ struct Outcomes {
       p.neighbours = static_cast<std::uint32_t>(value[kCount][lane]);
       return true;
     }
+    if (value[kStatus][lane] > 0) {
+      p = {};
+      p.status = static_cast<Status>(static_cast<int>(value[kStatus][lane]));
+      p.neighbours = static_cast<std::uint32_t>(value[kCount][lane]);
+      return true;
+    }
     p.status = value[kDegree][lane] < static_cast<T>(degree) ? Status::kDegreeReduced : Status::kOk;
     p.second_sheet = value[kSecondSheet][lane] > 0;
     p.redone = false;
@@ -156,9 +162,12 @@ HWY_INLINE Outcomes<T> describe(const Planes<T>& plane, const Axes<Vec<T>>& axes
   keep_shape<T>(map, axes, o);
   keep_fit<T>(map, o);
   store(zero, o.value[Outcomes<T>::kStatus]);
-  auto easy = hn::And(plane.easy, hn::Abs(height) < set(Tolerance<T>::kFarthest));
-  easy = hn::And(easy, map.degree >= zero);
-  if constexpr (sizeof(T) == 4) easy = hn::And(easy, map.sound);
+  const auto inside = hn::Abs(height) < set(Tolerance<T>::kFarthest);
+  auto easy = hn::And(plane.easy, map.degree >= zero);
+  if constexpr (!Tolerance<T>::kDecides) easy = hn::And(easy, hn::And(map.sound, inside));
+  const auto outside = hn::Or(plane.outside, hn::Not(inside));
+  store(hn::IfThenElseZero(outside, set(static_cast<T>(Status::kOutOfDomain))),
+        o.value[Outcomes<T>::kStatus]);
   store(hn::IfThenElseZero(easy, one), o.value[Outcomes<T>::kEasy]);
   return o;
 }
