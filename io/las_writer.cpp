@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "io/announced_count.h"
 #include "io/bytes.h"
 #include "io/file.h"
 #include "io/las_plan.h"
@@ -61,7 +62,7 @@ class LasWriter : public Writer {
       : file_(std::move(file)),
         plan_(std::move(plan)),
         source_grid_(options.grid),
-        promised_(options.count),
+        count_(options.count),
         source_row_size_(options.schema.row_size()),
         mapper_(with_las_names(options.schema), plan_.schema),
         returns_(*plan_.schema.dimension("ReturnNumber")) {
@@ -81,10 +82,7 @@ class LasWriter : public Writer {
   const std::vector<std::string>& notes() const override { return plan_.notes; }
 
   Result<void> write(const PointBatch& batch) override {
-    if (batch.size() > promised_ - written_)
-      return Error{Fault::kBadInput, fmt::format("{}: found more points than the {} that were "
-                                                 "announced",
-                                                 file_.path(), promised_)};
+    PSS_TRY(count_.check(file_.path(), batch.size()));
     map_rows(batch);
     const std::size_t row_size = plan_.schema.row_size();
     records_.resize(batch.size() * (kLasPositionSize + row_size));
@@ -99,13 +97,13 @@ class LasWriter : public Writer {
       returns_.add(row);
       record = record.subspan(kLasPositionSize + row_size);
     }
-    written_ += batch.size();
+    count_.add(batch.size());
     return file_.append(records_);
   }
 
   Result<void> finish() override {
     note_narrowed();
-    if (keeps_header_ && written_ == plan_.header.points())
+    if (keeps_header_ && count_.come() == plan_.header.points())
       note_bounds();
     else
       describe_points();
@@ -152,7 +150,7 @@ class LasWriter : public Writer {
     return {Fault::kBadInput,
             fmt::format("{}: point {}: found {} = {}, expected {} to {}, which is what scale {} "
                         "and offset {} can hold; use --scale or --offset",
-                        file_.path(), written_ + i, "xyz"[axis], world[axis],
+                        file_.path(), count_.come() + i, "xyz"[axis], world[axis],
                         offset + scale * static_cast<double>(kMin),
                         offset + scale * static_cast<double>(kMax), scale, offset)};
   }
@@ -191,9 +189,9 @@ class LasWriter : public Writer {
   void describe_points() {
     LasHeader& h = plan_.header;
     const bool legacy =
-        plan_.legacy_counts && written_ <= std::numeric_limits<std::uint32_t>::max();
-    h.count = written_;
-    h.legacy_count = legacy ? static_cast<std::uint32_t>(written_) : 0;
+        plan_.legacy_counts && count_.come() <= std::numeric_limits<std::uint32_t>::max();
+    h.count = count_.come();
+    h.legacy_count = legacy ? static_cast<std::uint32_t>(count_.come()) : 0;
     returns_.store(h, legacy);
     h.min = box_.empty() ? World3{} : to_world(h.grid(), box_.min);
     h.max = box_.empty() ? World3{} : to_world(h.grid(), box_.max);
@@ -211,13 +209,12 @@ class LasWriter : public Writer {
   OutputFile file_;
   LasPlan plan_;
   std::optional<Lattice> source_grid_;
-  std::uint64_t promised_ = 0;
+  AnnouncedCount count_;
   std::size_t source_row_size_ = 0;
   RowMapper mapper_;
   ReturnCounts returns_;
   std::vector<Narrowed> narrowed_;
   bool keeps_header_ = false;
-  std::uint64_t written_ = 0;
   IndexBox box_;
   std::vector<std::byte> rows_;
   std::vector<std::byte> records_;

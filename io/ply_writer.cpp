@@ -7,10 +7,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "io/announced_count.h"
 #include "io/file.h"
 #include "io/numbers.h"
 #include "io/ply_plan.h"
@@ -56,7 +56,7 @@ class PlyWriter final : public Writer {
                     ValueBytes& value);
   void append(Type type, const ValueBytes& value);
   Result<void> flush();
-  Result<void> correct_count();
+  std::uint64_t count_offset() const;
   void note_rounding();
 
   OutputFile output_;
@@ -64,8 +64,7 @@ class PlyWriter final : public Writer {
   std::vector<Dimension> targets_;  ///< one a property
   std::optional<Lattice> grid_;
   std::size_t row_size_;
-  std::uint64_t promised_;
-  std::uint64_t written_ = 0;
+  AnnouncedCount count_;
   std::string head_;
   std::string pending_;
   double rounding_ = 0;  ///< the largest change of a coordinate
@@ -76,7 +75,7 @@ PlyWriter::PlyWriter(OutputFile output, PlyPlan plan, const WriteOptions& option
       plan_(std::move(plan)),
       grid_(options.grid),
       row_size_(options.schema.row_size()),
-      promised_(options.count) {
+      count_(options.count) {
   for (const PlySource& source : plan_.sources)
     targets_.push_back({.name = {}, .type = source.type});
 }
@@ -87,10 +86,8 @@ Result<void> PlyWriter::start() {
 }
 
 Result<void> PlyWriter::write(const PointBatch& batch) {
-  if (batch.size() > promised_ - written_)
-    return Error{Fault::kFailed, fmt::format("{}: got more points than the {} announced",
-                                             output_.path(), promised_)};
-  for (std::size_t i = 0; i < batch.size(); ++i, ++written_)
+  PSS_TRY(count_.check(output_.path(), batch.size()));
+  for (std::size_t i = 0; i < batch.size(); ++i, count_.add(1))
     PSS_TRY(write_point(world_position(batch, grid_, i), batch.rows.data() + i * row_size_));
   return {};
 }
@@ -120,7 +117,7 @@ Result<void> PlyWriter::load(std::size_t property, const World3& position, const
     if (!store_coordinate(wanted, targets_[property], value.data()))
       return Error{Fault::kBadInput,
                    fmt::format("{}: point {} has {} = {}, which the file's type {} cannot hold",
-                               output_.path(), written_, "xyz"[*source.axis], wanted,
+                               output_.path(), count_.come(), "xyz"[*source.axis], wanted,
                                type_name(source.type))};
     if (source.type != Type::kFloat64 && std::isfinite(wanted))
       rounding_ =
@@ -147,13 +144,10 @@ Result<void> PlyWriter::flush() {
   return {};
 }
 
-/// Fewer digits are set right behind blanks, which every reader of headers skips.
-Result<void> PlyWriter::correct_count() {
+/// Where the header says how many points there are.
+std::uint64_t PlyWriter::count_offset() const {
   constexpr std::string_view kBefore = "\nelement vertex ";
-  const std::size_t place = head_.find(kBefore) + kBefore.size();
-  const std::size_t width = head_.find('\n', place) - place;
-  const std::string digits = fmt::format("{:>{}}", written_, width);
-  return output_.patch(place, std::as_bytes(std::span(digits)));
+  return head_.find(kBefore) + kBefore.size();
 }
 
 void PlyWriter::note_rounding() {
@@ -168,7 +162,7 @@ void PlyWriter::note_rounding() {
 
 Result<void> PlyWriter::finish() {
   PSS_TRY(flush());
-  if (written_ < promised_) PSS_TRY(correct_count());
+  PSS_TRY(count_.correct(output_, count_offset()));
   note_rounding();
   return output_.finish();
 }

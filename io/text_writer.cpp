@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "io/announced_count.h"
 #include "io/file.h"
 #include "io/numbers.h"
 #include "io/positions.h"
@@ -34,7 +34,7 @@ class TextWriter final : public Writer {
         grid_(options.grid),
         tolerance_(options.tolerance),
         row_size_(options.schema.row_size()),
-        promised_(options.count) {}
+        count_(options.count) {}
 
   std::optional<Lattice> grid() const override { return std::nullopt; }
   const std::vector<std::string>& notes() const override { return plan_.notes; }
@@ -46,15 +46,13 @@ class TextWriter final : public Writer {
   void append_position(const PointBatch& batch, std::size_t point, std::size_t axis);
   void append_value(const TextSource& source, const std::byte* row);
   Result<void> flush();
-  Result<void> correct_count();
 
   OutputFile output_;
   TextPlan plan_;
   std::optional<Lattice> grid_;
   double tolerance_;
   std::size_t row_size_;
-  std::uint64_t promised_;
-  std::uint64_t written_ = 0;
+  AnnouncedCount count_;
   std::uint64_t count_offset_ = 0;
   std::string pending_;
 };
@@ -66,15 +64,14 @@ Result<void> TextWriter::start() {
     pending_ += *layout.header +
                 fmt::format("{}\n", fmt::join(layout.columns, std::string(1, layout.separator)));
   count_offset_ = pending_.size();
-  if (layout.counted) pending_ += fmt::format("{}\n", promised_);
+  if (layout.counted) pending_ += fmt::format("{}\n", count_.announced());
   return flush();
 }
 
 Result<void> TextWriter::write(const PointBatch& batch) {
-  if (batch.size() > promised_ - written_)
-    return Error{Fault::kFailed, fmt::format("{}: got more points than the {} announced",
-                                             output_.path(), promised_)};
-  for (std::size_t i = 0; i < batch.size(); ++i, ++written_) {
+  PSS_TRY(count_.check(output_.path(), batch.size()));
+  count_.add(batch.size());
+  for (std::size_t i = 0; i < batch.size(); ++i) {
     for (const TextSource& source : plan_.sources) {
       if (source.axis) {
         append_position(batch, i, *source.axis);
@@ -111,15 +108,9 @@ Result<void> TextWriter::flush() {
   return {};
 }
 
-Result<void> TextWriter::correct_count() {
-  const std::size_t width = fmt::formatted_size("{}", promised_);
-  const std::string digits = fmt::format("{:>{}}", written_, width);
-  return output_.patch(count_offset_, std::as_bytes(std::span(digits)));
-}
-
 Result<void> TextWriter::finish() {
   PSS_TRY(flush());
-  if (plan_.layout.counted && written_ < promised_) PSS_TRY(correct_count());
+  if (plan_.layout.counted) PSS_TRY(count_.correct(output_, count_offset_));
   return output_.finish();
 }
 
