@@ -40,7 +40,7 @@ void Projector::project(std::span<const Query> queries, std::span<const Support>
 
 std::size_t Projector::bytes_for(std::size_t ball_points, MlsOperator op) {
   // Normals fill as many rows and columns as points do, and rimls keeps three more columns.
-  return (needs_normals(op) ? 2304 : 1024) * ball_points;
+  return (needs_normals(op) ? 2560 : 1024) * ball_points;
 }
 
 }  // namespace pss
