@@ -1,0 +1,143 @@
+// pss in memory: sort by key, cell grid, projection of every point, results in the input's order.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+
+#include "bench/peers/contender.h"
+#include "core/monitor.h"
+#include "core/parallel.h"
+#include "core/projector.h"
+#include "stream/sort.h"
+
+namespace pss::bench {
+namespace {
+
+constexpr std::size_t kChunk = 4096;  // points a projector takes at once
+
+/// Points in key order, and the place of each in the input.
+struct Sorted {
+  std::vector<Index3> points;
+  std::vector<std::uint32_t> rows;
+};
+
+Sorted sort_points(const std::vector<Index3>& points) {
+  const std::size_t n = points.size();
+  std::vector<SortEntry> entries(n), scratch(n);
+  parallel_for(n, kChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      entries[i] = {encode_key(points[i]), static_cast<std::uint32_t>(i)};
+  });
+  // Only a monitor that stops makes it fail.
+  static_cast<void>(sort_entries(entries, scratch, nullptr, 0, Monitor()));
+  Sorted sorted{std::vector<Index3>(n), std::vector<std::uint32_t>(n)};
+  parallel_for(n, kChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      sorted.rows[i] = entries[i].row;
+      sorted.points[i] = points[entries[i].row];
+    }
+  });
+  return sorted;
+}
+
+/// The widths that a radius gives; PCL's weight exp(-rho^2 / R^2) is the Gaussian of width R.
+Support support_for(const Method& method, double radius) {
+  const bool pcl = method.weight == WeightKind::kPcl;
+  return {pcl ? radius : radius / radius_factor(method.degree), radius};
+}
+
+/// Projects the points of one cloud, range by range.
+class Pass {
+ public:
+  Pass(const Cloud& cloud, const Sorted& sorted, const Method& method, const Support& support)
+      : cloud_(cloud),
+        sorted_(sorted),
+        method_(method),
+        support_(support),
+        grid_(cloud.lattice, sorted.points, reach(method.weight, support)) {
+    smoothed_.positions.resize(sorted.points.size());
+  }
+
+  Smoothed run() {
+    const std::size_t n = sorted_.points.size();
+    parallel_for(n, kChunk, [&](std::size_t begin, std::size_t end) { project(begin, end); });
+    smoothed_.neighbours = static_cast<double>(neighbours_) / static_cast<double>(n);
+    return std::move(smoothed_);
+  }
+
+ private:
+  void project(std::size_t begin, std::size_t end) {
+    std::vector<Query> queries(end - begin);
+    for (std::size_t i = begin; i < end; ++i) queries[i - begin].position = sorted_.points[i];
+    std::vector<Projection> results(queries.size());
+    Projector(grid_, method_).project(queries, std::span(&support_, 1), results);
+    put(begin, results);
+  }
+
+  void put(std::size_t begin, const std::vector<Projection>& results) {
+    std::uint64_t neighbours = 0;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      World3 p = to_world(cloud_.lattice, sorted_.points[begin + i]);
+      for (std::size_t a = 0; a < 3; ++a) p[a] += results[i].displacement[a];
+      smoothed_.positions[sorted_.rows[begin + i]] = p;
+      neighbours += results[i].neighbours;
+      kept += moved(results[i].status) ? 0 : 1;
+    }
+    const std::scoped_lock lock(mutex_);
+    neighbours_ += neighbours;
+    smoothed_.kept += kept;
+  }
+
+  const Cloud& cloud_;
+  const Sorted& sorted_;
+  Method method_;
+  Support support_;
+  CellGrid grid_;
+  Smoothed smoothed_;
+  std::mutex mutex_;
+  std::uint64_t neighbours_ = 0;
+};
+
+class Pss final : public Contender {
+ public:
+  Pss(MlsOperator op, WeightKind weight, Precision precision) : method_{op, weight, precision, 3} {}
+
+  std::string name() const override {
+    return fmt::format("pss {}, weight {}, {}", name_of(method_.op), name_of(method_.weight),
+                       name_of(method_.precision));
+  }
+  bool peer() const override { return false; }
+
+  Smoothed smooth(const Cloud& cloud, const Task& task) const override {
+    Method method = method_;
+    method.degree = task.degree;
+    const Support support = support_for(method, task.radius);
+    const ThreadLimit limit(task.threads);
+    const Timer timer;
+    const Sorted sorted = sort_points(cloud.points);
+    const Time sort = timer.elapsed();
+    Smoothed smoothed = Pass(cloud, sorted, method, support).run();
+    smoothed.time = timer.elapsed();
+    smoothed.sort = sort;
+    return smoothed;
+  }
+
+ private:
+  Method method_;
+};
+
+}  // namespace
+
+void add_pss(Contenders& contenders) {
+  using enum MlsOperator;
+  using enum WeightKind;
+  using enum Precision;
+  contenders.push_back(std::make_unique<Pss>(kFast, kPcl, kSingle));
+  contenders.push_back(std::make_unique<Pss>(kFast, kGaussian, kSingle));
+  contenders.push_back(std::make_unique<Pss>(kLevin, kGaussian, kSingle));
+  contenders.push_back(std::make_unique<Pss>(kLevin, kGaussian, kDouble));
+}
+
+}  // namespace pss::bench
