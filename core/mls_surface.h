@@ -26,7 +26,7 @@ struct Projected {
 ///
 /// The result of a query depends on the points near it alone: not on their order or on that of the
 /// queries, not on threads or vector width. It is what `pss smooth` gives for the same points,
-/// lattice, method and widths.
+/// lattice, method and widths (up to rounding where points share a position but not a normal).
 class MlsSurface {
  public:
   /// Sorts the points and prepares the search for neighbours.

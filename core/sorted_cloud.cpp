@@ -11,6 +11,7 @@
 
 #include "core/morton.h"
 #include "core/neighbours.h"
+#include "core/vec3.h"
 
 namespace pss {
 namespace {
@@ -18,8 +19,6 @@ namespace {
 constexpr std::size_t kMostPoints = std::numeric_limits<std::uint32_t>::max() - 1;
 /// Beyond it squares of lengths overflow.
 constexpr double kLargestCoordinate = 1e150;
-/// How far from 1 the squared length of a unit normal may be that was written with few digits.
-constexpr double kUnitTolerance = 0.02;
 
 constexpr int kSpacingRank = 16;
 constexpr std::size_t kSpacingSample = 1024;
@@ -30,10 +29,8 @@ bool is_usable(const World3& p) {
   return std::ranges::all_of(p, [](double c) { return std::abs(c) <= kLargestCoordinate; });
 }
 
-bool is_unit_or_zero(const Normal& n) {
-  const double x = n[0], y = n[1], z = n[2];
-  const double length_squared = x * x + y * y + z * z;
-  return length_squared == 0 || std::abs(length_squared - 1) < kUnitTolerance;
+bool is_finite(const Normal& n) {
+  return std::ranges::all_of(n, [](float c) { return std::isfinite(c); });
 }
 
 Result<void> check_points(std::span<const World3> points) {
@@ -50,8 +47,8 @@ Result<void> check_normals(std::span<const Normal> normals, std::size_t points) 
   if (!normals.empty() && normals.size() != points)
     return bad(fmt::format("found {} normals for {} points", normals.size(), points));
   for (std::size_t i = 0; i < normals.size(); ++i)
-    if (!is_unit_or_zero(normals[i]))
-      return bad(fmt::format("normal {}: found ({}, {}, {}), expected length 1, or 0 for none", i,
+    if (!is_finite(normals[i]))
+      return bad(fmt::format("normal {}: found ({}, {}, {}), expected numbers, zeros for none", i,
                              normals[i][0], normals[i][1], normals[i][2]));
   return {};
 }
@@ -82,7 +79,17 @@ std::vector<Index3> distinct(std::span<const Index3> sorted) {
   return positions;
 }
 
+Normal unit_of(const Normal& n) { return unit_normal({n[0], n[1], n[2]}); }
+
 }  // namespace
+
+Normal unit_normal(const World3& direction) {
+  const double length_sq = dot(direction, direction);
+  if (!std::isnormal(length_sq)) return {0, 0, 0};
+  const double length = std::sqrt(length_sq);
+  return {static_cast<float>(direction[0] / length), static_cast<float>(direction[1] / length),
+          static_cast<float>(direction[2] / length)};
+}
 
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals,
                                const std::optional<Lattice>& lattice) {
@@ -111,7 +118,7 @@ Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const N
   for (const Entry& entry : entries) {
     cloud.points.push_back(decode_key(entry.key));
     cloud.order.push_back(entry.index);
-    if (!normals.empty()) cloud.normals.push_back(normals[entry.index]);
+    if (!normals.empty()) cloud.normals.push_back(unit_of(normals[entry.index]));
   }
   return cloud;
 }

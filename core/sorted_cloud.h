@@ -12,18 +12,21 @@
 
 namespace pss {
 
+/// A direction as a cloud's normal: of length one; zero for what has no direction.
+Normal unit_normal(const World3& direction);
+
 struct SortedCloud {
   Lattice lattice;
   std::vector<Index3> points;        ///< in key order; those at one position by their normals
-  std::vector<Normal> normals;       ///< in the same order; empty where none were given
+  std::vector<Normal> normals;       ///< in the same order, unit or zero; empty for none
   std::vector<std::uint32_t> order;  ///< points[i] is the caller's point order[i]
 };
 
 /// Rounds `points` to `lattice`, or to lattice_for() their bounds, and sorts them.
 ///
-/// Shape:  `normals` is empty, or has one for each point: a unit vector, or zeros for none.
+/// Shape:  `normals` is empty, or has one for each point: of any length, zeros for none.
 /// Errors: kBadInput, naming the first such point, where one is not finite or not on the lattice,
-///         or a normal is neither unit nor zero; where there are 2^32 - 1 points or more.
+///         or a normal is not finite; where there are 2^32 - 1 points or more.
 /// Cost:   O(n log n); 24 bytes a point beside the result.
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals = {},
                                const std::optional<Lattice>& lattice = std::nullopt);

@@ -105,7 +105,11 @@ TEST(MlsSurface, AnswersInTheOrderOfTheQueries) {
 TEST(MlsSurface, DependsNotOnTheOrderOfItsPoints) {
   const std::vector<World3> points = noisy_torus(0.1, 0.01);
   const std::vector<std::size_t> order = shuffled(points.size(), 2);
-  for (const MlsOptions& options : {MlsOptions{}, MlsOptions{.h = 0.2}, MlsOptions{.knn = 20}}) {
+  for (const MlsOptions& options :
+       {MlsOptions{}, MlsOptions{.h = 0.2}, MlsOptions{.knn = 20},
+        MlsOptions{.method = {.op = MlsOperator::kApss}, .h = 0.2},
+        MlsOptions{.method = {.op = MlsOperator::kRimls}, .h = 0.2},
+        MlsOptions{.method = {.op = MlsOperator::kFast, .precision = Precision::kSingle}}}) {
     const std::vector<Projection> mixed = results_of(picked(points, order), options);
     EXPECT_EQ(differing(mixed, picked(results_of(points, options), order)), 0u);
   }
@@ -299,6 +303,30 @@ TEST_P(OperatorsWithNormals, ComputeThoseThatAreNotGiven) {
   const Projected computed = smooth(points, options).value();
   const Projected given = smooth(points, options, {normals}).value();
   EXPECT_EQ(differing(computed.results, given.results), 0u);
+}
+
+// An algebraic sphere through points and normals of a sphere is that sphere, from anywhere near it.
+TEST(MlsSurface, KeepsEachNormalWithItsPoint) {
+  const World3 centre{1, 2, 3};
+  Random random(21);
+  std::vector<World3> points, queries;
+  std::vector<Normal> normals;
+  for (int i = 0; i < 3000; ++i) {
+    const World3 outward = surface_point(Sphere{}, random.uniform(), random.uniform()).normal;
+    points.push_back(centre + outward);
+    normals.push_back(unit_normal(outward));
+    if (i % 10 == 0) queries.push_back(centre + random.uniform(0.95, 1.05) * outward);
+  }
+  const MlsOptions options{.method = {.op = MlsOperator::kApss}, .h = 0.2};
+  const MlsSurface surface = MlsSurface::create(points, options, {normals, true}).value();
+  const Projected projected = surface.project(queries);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const World3 from_centre = projected.positions[i] - centre;
+    ASSERT_EQ(projected.results[i].status, Status::kOk);
+    EXPECT_NEAR(dot(from_centre, from_centre), 1, 1e-6);
+    EXPECT_NEAR(dot(from_centre, projected.results[i].normal), 1, 1e-6);  // outwards, as given
+    EXPECT_NEAR(projected.results[i].mean_curvature, -1, 1e-5);
+  }
 }
 
 TEST(MlsSurface, IsNotMadeOfPointsThatAreNotFinite) {

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "core/morton.h"
-#include "core/vec3.h"
 #include "tests/support/cloud.h"
 
 namespace pss::test {
@@ -25,10 +24,7 @@ std::vector<World3> random_points(std::size_t count, std::uint64_t seed) {
 }
 
 /// A normal that tells the point that it belongs to.
-Normal normal_of(const World3& p) {
-  const World3 n = normalized(p);
-  return {static_cast<float>(n[0]), static_cast<float>(n[1]), static_cast<float>(n[2])};
-}
+Normal normal_of(const World3& p) { return unit_normal(p); }
 
 /// A square grid of side^2 points `step` apart.
 std::vector<World3> square_grid(int side, double step) {
@@ -57,7 +53,8 @@ TEST(SortedCloud, CarriesEachNormalWithItsPoint) {
   const SortedCloud cloud = sort_cloud(points, normals).value();
   ASSERT_EQ(cloud.normals.size(), points.size());
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
-    EXPECT_EQ(cloud.normals[i], normal_of(points[cloud.order[i]]));
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(cloud.normals[i][a], normal_of(points[cloud.order[i]])[a], 1e-7);
 }
 
 TEST(SortedCloud, DependsNotOnTheOrderOfPointsAtOnePosition) {
@@ -108,16 +105,22 @@ TEST(SortedCloud, NamesThePointThatTheLatticeDoesNotHold) {
   EXPECT_TRUE(cloud.error().message.starts_with("point 1: ")) << cloud.error().message;
 }
 
+TEST(SortedCloud, MakesNormalsUnit) {
+  const std::vector<World3> points = random_points(4, 5);
+  const std::vector<Normal> normals{{0, 0, -1}, {3, 0, 4}, {0, 0, 0}, {0, 1e30f, 0}};
+  const SortedCloud cloud = sort_cloud(points, normals).value();
+  const Normal expected[] = {{0, 0, -1}, {0.6f, 0, 0.8f}, {0, 0, 0}, {0, 1, 0}};
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_EQ(cloud.normals[i], expected[cloud.order[i]]);
+}
+
 TEST(SortedCloud, RefusesNormalsThatAreNone) {
   const std::vector<World3> points = random_points(2, 5);
-  const auto with = [&](Normal normal) {
-    return sort_cloud(points, std::vector<Normal>{{0, 0, 0}, normal}).has_value();
-  };
-  EXPECT_TRUE(with({0, 0, -1}));
-  EXPECT_TRUE(with({0.577f, 0.577f, 0.577f}));
-  EXPECT_FALSE(with({0, 0, 2}));
-  EXPECT_FALSE(with({0, 0, static_cast<float>(kNaN)}));
-  EXPECT_FALSE(with({HUGE_VALF, 0, 0}));
+  for (const Normal bad : {Normal{0, 0, static_cast<float>(kNaN)}, Normal{HUGE_VALF, 0, 0}}) {
+    const Result<SortedCloud> cloud = sort_cloud(points, std::vector<Normal>{{0, 0, 1}, bad});
+    ASSERT_FALSE(cloud);
+    EXPECT_TRUE(cloud.error().message.starts_with("normal 1: ")) << cloud.error().message;
+  }
   EXPECT_FALSE(sort_cloud(points, std::vector<Normal>{{0, 0, 1}}));
 }
 
