@@ -39,8 +39,16 @@ std::vector<Query> places_near(const Scan& scan, double h, std::size_t count) {
 
 /// What rounding leaves; the residual is a difference, about 1e-8 of the heights at best.
 Tolerance tolerance_of(const Method& method) {
-  if (method.precision == Precision::kSingle) return {1e-4, 1e-4, 2e-3, 3e-4, 1e-4, 2};
-  return {1e-11, 1e-10, 1e-9, 1e-8, 1e-11, 0};
+  Tolerance t{1e-11, 1e-10, 1e-9, 4e-9, 1e-8, 1e-11, 0};
+  if (method.precision == Precision::kSingle) t = {1e-4, 1e-4, 2e-3, 1e-2, 5e-4, 1e-4, 2};
+  if (method.op == MlsOperator::kRimls) t.direction = 1e-2;  // its normal is not the polynomial's
+  return t;
+}
+
+/// The default radius; the weight of PCL, which does not fall off before it, looks less far.
+Support support_of(const Method& method, double h) {
+  const double share = method.weight == WeightKind::kPcl ? 0.6 : 1;
+  return {h, share * radius_factor(method.degree) * h};
 }
 
 class ProjectorOf : public testing::TestWithParam<Method> {};
@@ -51,7 +59,7 @@ TEST_P(ProjectorOf, AgreesWithTheReferenceOnAnalyticSurfaces) {
   Agreement agreement;
   for (const auto& [name, scan] : analytic_clouds()) {
     const double h = 2 * scan.spacing;
-    const Support support{h, radius_factor(method.degree) * h};
+    const Support support = support_of(method, h);
     ScanProjector project(scan, support, method);
     const std::vector<Query> queries = places_near(scan, h, 16);
     const std::vector<Projection> results = project(queries);
@@ -68,13 +76,7 @@ TEST_P(ProjectorOf, AgreesWithTheReferenceOnAnalyticSurfaces) {
   EXPECT_EQ(agreement.other_state, 0);
 }
 
-std::vector<Method> tested_methods() {
-  std::vector<Method> methods = methods_of({MlsOperator::kLevin, MlsOperator::kFast});
-  std::erase_if(methods, [](const Method& m) { return m.weight != WeightKind::kGaussian; });
-  return methods;
-}
-
-INSTANTIATE_TEST_SUITE_P(Each, ProjectorOf, testing::ValuesIn(tested_methods()), method_name);
+INSTANTIATE_TEST_SUITE_P(Each, ProjectorOf, testing::ValuesIn(all_methods()), method_name);
 
 }  // namespace
 }  // namespace pss::test

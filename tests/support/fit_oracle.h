@@ -115,16 +115,18 @@ World3 to_world3(const Vector<Real>& v) {
   return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
 }
 
-/// Curvatures and the direction of the larger one, from first and second fundamental form.
+/// Curvatures by the sign of the normal and the direction of the larger one, from the first and
+/// second fundamental form.
 template <class Real>
-void add_curvature(const LocalFit<Real>& fit, const OracleFrame<Real>& frame, Real sign, Real h,
-                   Projection& result) {
+void add_curvature(const LocalFit<Real>& fit, const OracleFrame<Real>& frame,
+                   const Vector<Real>& normal, Real h, Projection& result) {
   using Matrix2 = Eigen::Matrix<Real, 2, 2>;
   const auto& c = fit.coefficients;
   Matrix2 first;
   Matrix2 second;
   first << 1 + c[1] * c[1], c[1] * c[2], c[1] * c[2], 1 + c[2] * c[2];
   second << 2 * c[3], c[4], c[4], 2 * c[5];
+  const Real sign = normal.dot(frame.n) < 0 ? -1 : 1;
   const Matrix2 shape = sign / std::sqrt(1 + c[1] * c[1] + c[2] * c[2]) * first.inverse() * second;
   const Real mean = shape.trace() / 2;
   const Real gaussian = shape.determinant();
@@ -136,8 +138,8 @@ void add_curvature(const LocalFit<Real>& fit, const OracleFrame<Real>& frame, Re
   const Matrix2 others = shape - (mean - std::sqrt(discriminant)) * Matrix2::Identity();
   const Eigen::Matrix<Real, 2, 1> d =
       others.col(0).norm() > others.col(1).norm() ? others.col(0) : others.col(1);
-  const Vector<Real> tangent =
-      d[0] * (frame.u + c[1] * frame.n) + d[1] * (frame.v + c[2] * frame.n);
+  Vector<Real> tangent = d[0] * (frame.u + c[1] * frame.n) + d[1] * (frame.v + c[2] * frame.n);
+  tangent -= tangent.dot(normal) * normal;  // where the normal is not the polynomial's
   result.principal_direction = to_world3(canonical<Real>(tangent.normalized()));
 }
 
@@ -161,15 +163,14 @@ Projection project_onto_polynomial(const OracleCloud<Real>& cloud, const OracleP
   if (fit.degree < 0) return staying(Status::kTooFew, fit.neighbours);
   const auto& c = fit.coefficients;
   if (!(std::abs(c[0]) < Real{0.5})) return staying(Status::kOutOfDomain, fit.neighbours);
-  const Vector<Real> normal = (n - c[1] * frame.u - c[2] * frame.v).normalized();
+  const Vector<Real> normal = canonical<Real>((n - c[1] * frame.u - c[2] * frame.v).normalized());
   Projection result;
   result.status = fit.degree < degree ? Status::kDegreeReduced : Status::kOk;
   result.second_sheet = fit.second_sheet;
   result.neighbours = fit.neighbours;
   result.displacement = to_world3<Real>(cloud.h * (q + c[0] * n));
-  result.normal = to_world3(canonical(normal));
-  if (fit.degree >= 2)
-    add_curvature<Real>(fit, frame, is_canonical(normal) ? 1 : -1, cloud.h, result);
+  result.normal = to_world3(normal);
+  if (fit.degree >= 2) add_curvature<Real>(fit, frame, normal, cloud.h, result);
   result.residual = static_cast<double>(fit.residual * cloud.h);
   result.boundary = static_cast<double>(fit.boundary);
   return result;

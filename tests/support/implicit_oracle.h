@@ -55,7 +55,7 @@ Projection describe_implicit(const OracleCloud<Real>& cloud, const Vector<Real>&
     result.mean_curvature = static_cast<double>(sign * *last.mean_curvature / cloud.h);
     result.gaussian_curvature = result.mean_curvature * result.mean_curvature;
   } else if (fit.degree >= 2) {
-    add_curvature<Real>(fit, frame, 1, cloud.h, result);
+    add_curvature<Real>(fit, frame, normal, cloud.h, result);
   }
   return result;
 }

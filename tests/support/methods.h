@@ -22,6 +22,10 @@ inline std::vector<Method> methods_of(const std::vector<MlsOperator>& operators,
   return methods;
 }
 
+inline std::vector<Method> all_methods(const std::vector<int>& degrees = {0, 1, 2, 3, 4}) {
+  return methods_of({kMlsOperators.begin(), kMlsOperators.end()}, degrees);
+}
+
 /// Names a case of a parameterised test: "levin_gaussian_double_3".
 inline std::string method_name(const testing::TestParamInfo<Method>& info) {
   const Method& m = info.param;

@@ -91,7 +91,7 @@ OracleCloud<Real> oracle_cloud(std::span<const World3> offsets, const Support& s
 }
 
 template <class Real>
-bool is_canonical(const Vector<Real>& n) {
+bool has_canonical_sign(const Vector<Real>& n) {
   Eigen::Index largest = 0;
   for (Eigen::Index a = 1; a < 3; ++a)
     if (std::abs(n[a]) > std::abs(n[largest])) largest = a;
@@ -100,7 +100,7 @@ bool is_canonical(const Vector<Real>& n) {
 
 template <class Real>
 Vector<Real> canonical(const Vector<Real>& n) {
-  return is_canonical(n) ? n : Vector<Real>(-n);
+  return has_canonical_sign(n) ? n : Vector<Real>(-n);
 }
 
 /// An orthonormal frame; its in-plane axes decide which monomial a fit finds undetermined.
