@@ -41,7 +41,7 @@ std::vector<Query> places_near(const Scan& scan, double h, std::size_t count) {
 Tolerance tolerance_of(const Method& method) {
   Tolerance t{1e-11, 1e-10, 1e-9, 4e-9, 1e-8, 1e-11, 0};
   if (method.precision == Precision::kSingle) t = {1e-4, 1e-4, 2e-3, 1e-2, 5e-4, 1e-4, 2};
-  if (method.op == MlsOperator::kRimls) t.direction = 1e-2;  // its normal is not the polynomial's
+  if (method.op == MlsOperator::kRimls) t.direction = 0.2;  // its normal is not the polynomial's
   return t;
 }
 
