@@ -17,11 +17,13 @@ std::string widths_text(const ChosenWidths& widths) {
   return fmt::format("h {:.6g}, radius {:.6g}", widths.h, widths.radius);
 }
 
-std::string method_text(const Method& method) {
+std::string method_text(const Method& method, NormalsFrom normals) {
   const std::string order =
       needs_normals(method.op) ? "" : fmt::format(" of order {}", method.degree);
-  return fmt::format("{}{}, {} weight, {} precision", name_of(method.op), order,
-                     name_of(method.weight), name_of(method.precision));
+  const std::string source =
+      normals == NormalsFrom::kNowhere ? "" : fmt::format(", normals {}", name_of(normals));
+  return fmt::format("{}{}, {} weight, {} precision{}", name_of(method.op), order,
+                     name_of(method.weight), name_of(method.precision), source);
 }
 
 /// Empty where no point asked for it.
@@ -44,8 +46,11 @@ std::string statuses_text(const ProjectStatistics& statistics) {
 }
 
 std::string stages_text(const SmoothReport& report) {
-  return fmt::format("sort {:.1f}, spacing {:.1f}, smooth {:.1f}, write {:.1f}",
-                     report.ingest_seconds, report.spacing_seconds, report.smooth_seconds,
+  const std::string normals = report.normals == NormalsFrom::kFirstPass
+                                  ? fmt::format("normals {:.1f}, ", report.normals_seconds)
+                                  : "";
+  return fmt::format("sort {:.1f}, spacing {:.1f}, {}smooth {:.1f}, write {:.1f}",
+                     report.ingest_seconds, report.spacing_seconds, normals, report.smooth_seconds,
                      report.write_seconds);
 }
 
@@ -59,7 +64,7 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
   if (report.already_complete) return {fmt::format("{}: already complete", report.output)};
   std::vector<std::string> lines = report.notes;
   const ProjectStatistics& statistics = report.statistics;
-  lines.push_back(method_text(report.method) + redone_text(statistics));
+  lines.push_back(method_text(report.method, report.normals) + redone_text(statistics));
   lines.push_back(widths_text(report.widths));
   lines.push_back(fmt::format("neighbours {:.1f} a point; moved by {:.4g} rms, {:.4g} at most",
                               statistics.mean_neighbours(), statistics.rms_displacement(),
@@ -86,7 +91,7 @@ std::string estimate_text(const SmoothEstimate& estimate) {
   line("peak memory", short_size(estimate.peak_memory));
   line("disk", short_size(estimate.disk_bytes));
   line("time", short_time(estimate.seconds));
-  line("method", method_text(estimate.method));
+  line("method", method_text(estimate.method, estimate.normals));
   if (estimate.from_store) line("widths", widths_text(estimate.widths));
   line("known from",
        estimate.from_store ? "the store (whole blocks counted)" : "the headers (estimated)");

@@ -152,7 +152,8 @@ Result<void> WorkDirectory::write_record(const JobRecord& record) const {
 }
 
 Result<void> WorkDirectory::remove_data() const {
-  for (const char* name : {"/runs", "/input.pss", "/result.pss"}) PSS_TRY(remove_all(path_ + name));
+  for (const char* name : {"/runs", "/input.pss", "/normals.pss", "/result.pss"})
+    PSS_TRY(remove_all(path_ + name));
   return {};
 }
 

@@ -40,6 +40,7 @@ class WorkDirectory {
 
   const std::string& path() const { return path_; }
   std::string input_store() const { return path_ + "/input.pss"; }
+  std::string normals_store() const { return path_ + "/normals.pss"; }
   std::string result_store() const { return path_ + "/result.pss"; }
 
   /// The record, where there is one. Errors: kBadInput where it is damaged.

@@ -23,11 +23,15 @@ class Operator {
   /// Lattice, schema and parameters of the result.
   virtual const StoreHeader& result_header() const = 0;
 
+  /// What of the source its parts hold.
+  virtual PartNeeds needs() const = 0;
+
   /// How far around a part to load at first.
   virtual double first_reach() const = 0;
 
-  /// Prepares a loaded part; a value is the reach that it really needs, to be loaded again with.
-  virtual std::optional<double> prepare(Part& part) const = 0;
+  /// Prepares a loaded part; a value is the range with the reach, or with the points in a ball,
+  /// that it really needs, to be loaded again with.
+  virtual std::optional<PartRange> prepare(Part& part) const = 0;
 
   /// What a planned part holds in memory at most while it is worked on, its result included.
   virtual std::uint64_t bytes(const PartPlan& plan) const = 0;

@@ -107,19 +107,21 @@ std::vector<std::string> output_names(OutputSet set) {
   return names;
 }
 
-Result<OutputColumns> OutputColumns::add_to(Schema& schema, OutputSet set) {
+Result<OutputColumns> OutputColumns::add_to(Schema& schema, OutputSet set,
+                                            std::string_view prefix) {
   OutputColumns columns;
   for (const Attribute& attribute : kAttributes) {
     if (!(set & attribute.output)) continue;
-    const std::optional<std::size_t> there = schema.find(attribute.name);
-    if (!there) schema.add({attribute.name, attribute.type, 1, 1, 0, {}});
+    const std::string name = fmt::format("{}{}", prefix, attribute.name);
+    const std::optional<std::size_t> there = schema.find(name);
+    if (!there) schema.add({name, attribute.type, 1, 1, 0, {}});
     const std::size_t field = there.value_or(schema.fields().size() - 1);
     const Field& column = schema.fields()[field];
     if (column.type != attribute.type || column.count != 1)
       return Error{Fault::kUsage,
                    fmt::format("the input has an attribute {} of type {}, expected {} to write "
                                "--outputs into; rename it or leave that output out",
-                               attribute.name, type_name(column.type), type_name(attribute.type))};
+                               name, type_name(column.type), type_name(attribute.type))};
     columns.columns_.push_back(
         {attribute.output, attribute.part, schema.position(field), attribute.type});
   }

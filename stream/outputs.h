@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/projection.h"
@@ -38,9 +39,10 @@ std::vector<std::string> output_names(OutputSet set);
 class OutputColumns {
  public:
   /// Extends `schema`. An attribute that is there already with the right type is overwritten.
+  /// `prefix` goes before every name.
   ///
   /// Errors: kUsage where an attribute of that name has another type.
-  static Result<OutputColumns> add_to(Schema& schema, OutputSet set);
+  static Result<OutputColumns> add_to(Schema& schema, OutputSet set, std::string_view prefix = {});
 
   void write(const Projection& projection, std::byte* row) const;
 

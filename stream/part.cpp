@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "core/morton.h"
 
@@ -15,13 +16,29 @@ std::vector<IndexBox> tile_boxes(const Store& store) {
   return boxes;
 }
 
-/// Sorts by key where the source does not have that order. Equal positions are interchangeable.
-void sort_by_key(std::vector<Index3>& points) {
-  const auto before = [](const Index3& a, const Index3& b) {
-    return encode_key(a) < encode_key(b);
-  };
-  if (!std::is_sorted(points.begin(), points.end(), before))
-    std::sort(points.begin(), points.end(), before);
+bool before(const Index3& a, const Index3& b) { return encode_key(a) < encode_key(b); }
+
+template <class T>
+std::vector<T> permuted(const std::vector<T>& values, std::span<const std::uint32_t> order) {
+  std::vector<T> sorted;
+  sorted.reserve(values.size());
+  for (const std::uint32_t i : order) sorted.push_back(values[i]);
+  return sorted;
+}
+
+/// Sorts by key where the source does not have that order.
+///
+/// Equal positions are interchangeable; with normals they keep the order of their rows.
+void sort_by_key(std::vector<Index3>& points, std::vector<Normal>& normals) {
+  if (std::is_sorted(points.begin(), points.end(), before)) return;
+  if (normals.empty()) return std::sort(points.begin(), points.end(), before);
+  std::vector<std::uint32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return points[a] == points[b] ? a < b : before(points[a], points[b]);
+  });
+  points = permuted(points, order);
+  normals = permuted(normals, order);
 }
 
 /// How many points lie within reach of any one own point, at most: by blocks.
@@ -39,9 +56,9 @@ std::uint64_t largest_ball(const Lattice& lattice, const PartPlan& plan) {
 
 }  // namespace
 
-PartLoader::PartLoader(const Store& source, std::size_t row_size)
+PartLoader::PartLoader(const Store& source, const PartNeeds& needs)
     : source_(source),
-      row_size_(row_size),
+      needs_(needs),
       exclusion_(source.header().schema),
       tiles_(tile_boxes(source)) {}
 
@@ -72,6 +89,7 @@ Result<Part> PartLoader::load(const PartPlan& plan) const {
   Part part;
   part.range = plan.range;
   part.box = plan.box;
+  part.ball_points = plan.ball_points;
   PSS_TRY(load_own(plan, part));
   PSS_TRY(load_candidates(plan, part));
   return part;
@@ -82,42 +100,52 @@ Result<void> PartLoader::load_own(const PartPlan& plan, Part& part) const {
   const std::size_t source_size = source_.header().schema.row_size();
   part.first_row = plan.own.empty() ? tile.first_row : plan.own.front().first_row;
   part.own.resize(plan.own_points);
-  part.rows.resize(plan.own_points * row_size_);
+  part.rows.resize(plan.own_points * needs_.row_size);
   std::vector<std::byte> rows;
   std::size_t done = 0;
   for (const BlockInfo& block : plan.own) {
     PSS_TRY(source_.read_positions(tile, block, std::span(part.own).subspan(done, block.count)));
     rows.resize(block.count * source_size);
     PSS_TRY(source_.read_rows(tile, block, rows));
-    for (std::size_t i = 0; i < block.count && source_size > 0; ++i)
-      std::memcpy(&part.rows[(done + i) * row_size_], &rows[i * source_size], source_size);
+    for (std::size_t i = 0; i < block.count && needs_.kept_size > 0; ++i)
+      std::memcpy(&part.rows[(done + i) * needs_.row_size], &rows[i * source_size],
+                  needs_.kept_size);
     part.block_counts.push_back(block.count);
     done += block.count;
   }
   return {};
 }
 
+Result<void> PartLoader::read_near(const BlockRef& near, NearBlock& block) const {
+  const TileInfo& tile = source_.tiles()[near.tile];
+  block.positions.resize(near.block.count);
+  block.excluded.assign(near.block.count, 0);
+  PSS_TRY(source_.read_positions(tile, near.block, block.positions));
+  if (exclusion_.active()) PSS_TRY(exclusion_.mark(source_, tile, near.block, block.excluded));
+  if (!needs_.normals) return {};
+  block.normals.resize(near.block.count);
+  return needs_.normals->read(source_, tile, near.block, block.normals);
+}
+
 Result<void> PartLoader::load_candidates(const PartPlan& plan, Part& part) const {
   const Lattice& lattice = source_.header().lattice;
   const double reach_sq = plan.range.reach * plan.range.reach;
   part.candidates.reserve(plan.near_points);
-  std::vector<Index3> positions;
-  std::vector<std::uint8_t> excluded;
-  for (const auto& [tile_number, block] : plan.near) {
-    const TileInfo& tile = source_.tiles()[tile_number];
-    positions.resize(block.count);
-    excluded.assign(block.count, 0);
-    PSS_TRY(source_.read_positions(tile, block, positions));
-    if (exclusion_.active()) PSS_TRY(exclusion_.mark(source_, tile, block, excluded));
-    const bool is_own =
-        block.first_row >= part.first_row && block.first_row < part.first_row + plan.own_points;
-    for (std::size_t i = 0; i < block.count; ++i) {
-      if (excluded[i] || distance_sq(lattice, positions[i], plan.box) > reach_sq) continue;
-      part.candidates.push_back(positions[i]);
+  if (needs_.normals) part.normals.reserve(plan.near_points);
+  NearBlock block;
+  for (const BlockRef& near : plan.near) {
+    PSS_TRY(read_near(near, block));
+    const std::uint64_t row = near.block.first_row;
+    const bool is_own = row >= part.first_row && row < part.first_row + plan.own_points;
+    for (std::size_t i = 0; i < block.positions.size(); ++i) {
+      if (block.excluded[i] || distance_sq(lattice, block.positions[i], plan.box) > reach_sq)
+        continue;
+      part.candidates.push_back(block.positions[i]);
+      if (needs_.normals) part.normals.push_back(block.normals[i]);
       part.halo += is_own ? 0 : 1;
     }
   }
-  sort_by_key(part.candidates);
+  sort_by_key(part.candidates, part.normals);
   return {};
 }
 

@@ -2,6 +2,7 @@
 // A part of a tile with everything within reach of it: planned from block boxes, then loaded.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,16 +13,25 @@
 #include "stream/box_tree.h"
 #include "stream/exclusion.h"
 #include "stream/memory.h"
+#include "stream/normals.h"
 #include "stream/store.h"
 
 namespace pss {
+
+/// What an operator wants of its source in a part.
+struct PartNeeds {
+  std::size_t row_size = 0;   ///< of a result row
+  std::size_t kept_size = 0;  ///< bytes of a source's row that its result row begins with
+  std::optional<NormalColumns> normals;  ///< of the candidates
+};
 
 /// Consecutive blocks of one tile: the unit that is in memory at once.
 struct PartRange {
   std::size_t tile = 0;
   std::size_t first_block = 0;
   std::size_t block_count = 0;
-  double reach = 0;  ///< how far around its points others are loaded
+  double reach = 0;               ///< how far around its points others are loaded
+  std::uint64_t ball_points = 0;  ///< at most so many lie within reach of one; 0: not measured
 };
 
 /// A block of the source that a part needs.
@@ -38,7 +48,7 @@ struct PartPlan {
   std::vector<BlockRef> near;  ///< all blocks within reach of the box, own ones among them
   std::uint64_t own_points = 0;
   std::uint64_t near_points = 0;  ///< at most so many candidates
-  std::uint64_t ball_points = 0;  ///< at most so many within reach of one point
+  std::uint64_t ball_points = 0;  ///< at most so many within reach of one point, by blocks
 };
 
 /// A part in memory, on its way through an operator.
@@ -48,9 +58,11 @@ struct Part {
   std::uint64_t first_row = 0;
   std::vector<std::uint32_t> block_counts;  ///< points of each own block
   std::vector<Index3> own;                  ///< own positions in row order
-  std::vector<std::byte> rows;              ///< result rows; each begins with the point's own row
+  std::vector<std::byte> rows;  ///< result rows; each begins with what is kept of the point's own
   std::vector<Index3> candidates;  ///< all points within reach that may be neighbours, by key
+  std::vector<Normal> normals;     ///< of the candidates, where the operator wants them
   std::uint64_t halo = 0;          ///< candidates that are not the part's own
+  std::uint64_t ball_points = 0;   ///< of its plan
   std::vector<Support> supports;   ///< an operator's widths of each own point, where they differ
   Reservation memory;
 };
@@ -60,22 +72,29 @@ struct Part {
 /// Thread: const members from any number at once.
 class PartLoader {
  public:
-  /// `row_size` is the size of a result row.
-  PartLoader(const Store& source, std::size_t row_size);
+  PartLoader(const Store& source, const PartNeeds& needs);
 
   const Store& source() const { return source_; }
 
   Result<PartPlan> plan(const PartRange& range) const;
 
-  /// Reads a planned part. Candidates come sorted by key, the excluded left out.
+  /// Reads a planned part. Candidates come sorted by key, those of one place in row order, the
+  /// excluded left out.
   Result<Part> load(const PartPlan& plan) const;
 
  private:
+  /// A block on its way into the candidates.
+  struct NearBlock {
+    std::vector<Index3> positions;
+    std::vector<Normal> normals;
+    std::vector<std::uint8_t> excluded;
+  };
   Result<void> load_own(const PartPlan& plan, Part& part) const;
   Result<void> load_candidates(const PartPlan& plan, Part& part) const;
+  Result<void> read_near(const BlockRef& near, NearBlock& block) const;
 
   const Store& source_;
-  std::size_t row_size_;
+  PartNeeds needs_;
   Exclusion exclusion_;
   BoxTree tiles_;
 };

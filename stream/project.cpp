@@ -1,6 +1,7 @@
 #include "stream/project.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -10,38 +11,7 @@
 namespace pss {
 namespace {
 
-constexpr std::size_t kChunkPoints = 1024;  ///< what one task computes
 constexpr int kMostRefinement = 256;
-/// A cell grid wants some width, also where no point looks around.
-constexpr double kSmallestReach = std::numeric_limits<double>::min();
-
-/// Consecutive own points of one block.
-struct Chunk {
-  std::size_t block;
-  std::size_t first;
-  std::size_t count;
-};
-
-std::vector<Chunk> chunks_of(const Part& part) {
-  std::vector<Chunk> chunks;
-  std::size_t start = 0;
-  for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
-    const std::size_t end = start + part.block_counts[b];
-    for (; start < end; start += chunks.back().count)
-      chunks.push_back({b, start, std::min(kChunkPoints, end - start)});
-  }
-  return chunks;
-}
-
-/// One note a block, its chunks added up in row order whoever computed them.
-std::vector<std::vector<std::byte>> notes_of(const Part& part, const std::vector<Chunk>& chunks,
-                                             const std::vector<ProjectStatistics>& statistics) {
-  std::vector<ProjectStatistics> blocks(part.block_counts.size());
-  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
-  std::vector<std::vector<std::byte>> notes;
-  for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
-  return notes;
-}
 
 /// The largest step count that a move of `length` can take on any axis.
 double steps(const Lattice& lattice, double length) {
@@ -75,15 +45,20 @@ Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double la
 Result<ProjectOperator> ProjectOperator::create(const Store& source,
                                                 const ProjectParameters& parameters) {
   ProjectOperator op(source, parameters);
-  PSS_ASSIGN(op.columns_, OutputColumns::add_to(op.header_.schema, parameters.outputs));
+  PSS_TRY(op.choose_columns(source.header().schema));
   return op;
 }
 
 ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& parameters)
     : parameters_(parameters),
       source_lattice_(source.header().lattice),
+      source_ordered_(source.header().ordered),
       exclusion_(source.header().schema),
       header_(source.header()) {
+  if (!parameters.only_normals) choose_lattice(source);
+}
+
+void ProjectOperator::choose_lattice(const Store& source) {
   IndexBox bounds;
   for (const TileInfo& tile : source.tiles()) bounds.add(tile.box);
   // Floating-point input has a fine lattice already.
@@ -92,75 +67,52 @@ ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& p
   refinement_ = std::llrint(source_lattice_.scale[0] / header_.lattice.scale[0]);
 }
 
-Support ProjectOperator::support_at(double distance) const {
-  const double radius = parameters_.factor * distance;
-  return {radius / radius_factor(parameters_.method.degree), radius};
-}
-
-double ProjectOperator::reach_of(const Support& support) const {
-  return reach(parameters_.method.weight, support);
-}
-
-double ProjectOperator::largest_reach() const {
-  if (!parameters_.nearest) return reach_of(parameters_.support);
-  return std::max(parameters_.cap, reach_of(support_at(parameters_.cap)));
-}
-
-double ProjectOperator::usual_reach() const {
-  return parameters_.nearest ? reach_of(support_at(parameters_.first_guess)) : largest_reach();
-}
-
-double ProjectOperator::first_reach() const {
-  if (parameters_.buffer) return *parameters_.buffer;
-  if (!parameters_.nearest) return largest_reach();
-  // Half more than the typical query needs: most parts are certified at the first loading.
-  return std::min(largest_reach(), 1.5 * usual_reach());
-}
-
-std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
-  const std::uint64_t row = bytes_per_row();
-  const std::uint64_t encoded = row + sizeof(Index3) + row / 64 + 1;
-  const std::uint64_t supports = parameters_.nearest ? sizeof(Support) : 0;
-  const bool looks = largest_reach() > 0;  // where there is no spacing, nothing is evaluated
-  const std::uint64_t task =
-      Projector::bytes_for(looks ? plan.ball_points : 0) + QueryBatch::bytes_for(kChunkPoints);
-  return plan.own_points * (sizeof(Index3) + row + encoded + supports) +
-         plan.near_points * sizeof(Index3) + CellGrid::bytes_for(plan.near_points) +
-         static_cast<std::uint64_t>(thread_count()) * task;
-}
-
-std::optional<double> ProjectOperator::prepare(Part& part) const {
-  if (!parameters_.nearest || part.own.empty()) return std::nullopt;
-  part.supports.assign(part.own.size(), Support{});
-  const double loaded = part.range.reach;
-  const double cap = std::min(parameters_.cap, loaded);
-  const CellGrid grid(source_lattice_, part.candidates, std::max(loaded, kSmallestReach));
-  const std::size_t chunk_count = (part.own.size() + kChunkPoints - 1) / kChunkPoints;
-  std::vector<double> needed(chunk_count, 0);
-  parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * kChunkPoints; i < std::min(end * kChunkPoints, part.own.size());
-         ++i) {
-      const std::optional<double> distance =
-          grid.kth_distance(part.own[i], parameters_.nearest, cap);
-      if (distance) part.supports[i] = support_at(*distance);
-      double& most = needed[i / kChunkPoints];
-      if (distance)
-        most = std::max({most, *distance, reach_of(part.supports[i])});
-      else if (loaded < parameters_.cap)
-        most = std::max(most, 2 * loaded);
+Result<void> ProjectOperator::choose_columns(const Schema& source) {
+  if (needs_normals(parameters_.method.op)) {
+    needs_.normals = NormalColumns::given(source);
+    oriented_ = needs_.normals.has_value();
+    if (!oriented_) {
+      needs_.normals = NormalColumns::computed(source);
+      header_.schema = without_computed_normals(source);
     }
-  });
-  const double wider = std::min(*std::max_element(needed.begin(), needed.end()), largest_reach());
-  if (wider <= loaded || parameters_.buffer) return std::nullopt;
-  return wider;
+  }
+  needs_.kept_size = header_.schema.row_size();
+  PSS_ASSIGN(columns_, parameters_.only_normals
+                           ? OutputColumns::add_to(header_.schema, kNormals, kComputedPrefix)
+                           : OutputColumns::add_to(header_.schema, parameters_.outputs));
+  needs_.row_size = header_.schema.row_size();
+  return {};
+}
+
+std::vector<ProjectOperator::Chunk> ProjectOperator::chunks_of(const Part& part) {
+  std::vector<Chunk> chunks;
+  std::size_t start = 0;
+  for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
+    const std::size_t end = start + part.block_counts[b];
+    for (; start < end; start += chunks.back().count)
+      chunks.push_back({b, start, std::min(kChunkPoints, end - start)});
+  }
+  return chunks;
+}
+
+/// One note a block, its chunks added up in row order whoever computed them.
+std::vector<std::vector<std::byte>> ProjectOperator::notes_of(
+    const Part& part, const std::vector<Chunk>& chunks,
+    const std::vector<ProjectStatistics>& statistics) {
+  std::vector<ProjectStatistics> blocks(part.block_counts.size());
+  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
+  std::vector<std::vector<std::byte>> notes;
+  for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
+  return notes;
 }
 
 std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& monitor) const {
   const std::vector<Chunk> chunks = chunks_of(part);
   std::vector<ProjectStatistics> statistics(chunks.size());
+  assert(!needs_normals(parameters_.method.op) || part.normals.size() == part.candidates.size());
   const CellGrid grid(source_lattice_, part.candidates, std::max(usual_reach(), kSmallestReach));
   parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    Projector projector(grid, parameters_.method);
+    Projector projector(grid, parameters_.method, {part.normals, oriented_});
     QueryBatch batch;
     for (std::size_t c = begin; c < end && !monitor.stopping(); ++c) {
       const Chunk& chunk = chunks[c];
@@ -194,20 +146,21 @@ void ProjectOperator::fill(const Part& part, std::size_t first, std::size_t coun
 }
 
 void ProjectOperator::place(Projection& projection, Part& part, std::size_t i) const {
-  Index3 stays = part.own[i];
-  for (std::int64_t& coordinate : stays) coordinate *= refinement_;
-  Index3 place = stays;
-  if (moved(projection.status)) {
-    for (std::size_t a = 0; a < 3; ++a)
-      place[a] += std::llrint(projection.displacement[a] / header_.lattice.scale[a]);
-    if (!representable(place)) {
-      projection.status = Status::kNotRepresentable;
-      projection.displacement = {};
-      place = stays;
-    }
-  }
-  part.own[i] = place;
+  if (!parameters_.only_normals) part.own[i] = destination(projection, part.own[i]);
   if (bytes_per_row() > 0) columns_.write(projection, &part.rows[i * bytes_per_row()]);
+}
+
+Index3 ProjectOperator::destination(Projection& projection, const Index3& own) const {
+  Index3 stays = own;
+  for (std::int64_t& coordinate : stays) coordinate *= refinement_;
+  if (!moved(projection.status)) return stays;
+  Index3 place = stays;
+  for (std::size_t a = 0; a < 3; ++a)
+    place[a] += std::llrint(projection.displacement[a] / header_.lattice.scale[a]);
+  if (representable(place)) return place;
+  projection.status = Status::kNotRepresentable;
+  projection.displacement = {};
+  return stays;
 }
 
 bool ProjectOperator::representable(const Index3& index) const {

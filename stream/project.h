@@ -2,6 +2,7 @@
 // The projection as an operator over tiles: support per point, new positions, outputs, statistics.
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "core/projector.h"
@@ -21,6 +22,9 @@ struct ProjectParameters {
   double cap = 0;          ///< a k-th nearest farther than this leaves the query isolated
   double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
   OutputSet outputs = 0;
+  /// A first pass for operators that need normals: points stay, and their rows get these alone,
+  /// named with kComputedPrefix.
+  bool only_normals = false;
   std::optional<Lattice> grid;  ///< the grid of the output file, whose int32 range limits places
   /// Halo width by hand. Where it is less than a support needs, that support is narrowed.
   std::optional<double> buffer;
@@ -35,12 +39,16 @@ Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double la
 
 class ProjectOperator : public Operator {
  public:
+  /// An operator that needs normals takes those of the source, given or computed; without any it
+  /// can tell what parts take, and be applied to none.
+  ///
   /// Errors: kUsage where an attribute of the source stands in the way of an output.
   static Result<ProjectOperator> create(const Store& source, const ProjectParameters& parameters);
 
   const StoreHeader& result_header() const override { return header_; }
+  PartNeeds needs() const override { return needs_; }
   double first_reach() const override;
-  std::optional<double> prepare(Part& part) const override;
+  std::optional<PartRange> prepare(Part& part) const override;
   std::uint64_t bytes(const PartPlan& plan) const override;
   std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
   void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
@@ -49,7 +57,33 @@ class ProjectOperator : public Operator {
   double largest_reach() const;
 
  private:
+  static constexpr std::size_t kChunkPoints = 1024;  ///< what one task computes
+  /// A cell grid wants some width, also where no point looks around.
+  static constexpr double kSmallestReach = std::numeric_limits<double>::min();
+
+  /// Consecutive own points of one block.
+  struct Chunk {
+    std::size_t block;
+    std::size_t first;
+    std::size_t count;
+  };
+  static std::vector<Chunk> chunks_of(const Part& part);
+  static std::vector<std::vector<std::byte>> notes_of(
+      const Part& part, const std::vector<Chunk>& chunks,
+      const std::vector<ProjectStatistics>& statistics);
+
   ProjectOperator(const Store& source, const ProjectParameters& parameters);
+  void choose_lattice(const Store& source);
+  Result<void> choose_columns(const Schema& source);
+  /// Memory of a candidate, and of the tasks that run at once.
+  std::uint64_t bytes_per_candidate() const;
+  std::uint64_t bytes_for_tasks(const PartPlan& plan) const;
+  /// The points of a ball that a part has room for; `by_blocks` is what its blocks allow.
+  static std::uint64_t reserved_ball(const PartRange& range, std::uint64_t by_blocks);
+  /// How far the widest own point of a loaded part looks.
+  double widest_reach(const Part& part) const;
+  /// Fills the supports of a part from k-th distances; gives the reach that makes them certain.
+  double find_supports(Part& part) const;
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
   /// How far a query with this support looks, and one with a typical support.
@@ -60,14 +94,19 @@ class ProjectOperator : public Operator {
   void fill(const Part& part, std::size_t first, std::size_t count, QueryBatch& batch) const;
   /// Writes the outcome of own point i: place, outputs. The status may change to not representable.
   void place(Projection& projection, Part& part, std::size_t i) const;
+  /// Where own point i goes, on the result's lattice; it stays where the output cannot hold that.
+  Index3 destination(Projection& projection, const Index3& own) const;
   bool representable(const Index3& index) const;
 
   ProjectParameters parameters_;
   Lattice source_lattice_;
+  bool source_ordered_;
   std::int64_t refinement_ = 1;
   Exclusion exclusion_;
   StoreHeader header_;
   OutputColumns columns_;
+  PartNeeds needs_;
+  bool oriented_ = false;  ///< the normals of the source
 };
 
 }  // namespace pss

@@ -29,17 +29,19 @@ class PartQueue {
     if (next_tile_ == tiles_.size()) return std::nullopt;
     const std::size_t tile = next_tile_++;
     reach_ = std::max(first_reach_, reach_ / 2);  // what the last tile needed may be too much now
-    return PartRange{tile, 0, tiles_[tile].blocks, reach_};
+    return PartRange{tile, 0, tiles_[tile].blocks, reach_, 0};
   }
 
+  /// What was measured of the whole may be too much for a half.
   void push_halves(const PartRange& range) {
     const std::size_t half = range.block_count / 2;
-    cut_.push_back({range.tile, range.first_block + half, range.block_count - half, range.reach});
-    cut_.push_back({range.tile, range.first_block, half, range.reach});
+    cut_.push_back(
+        {range.tile, range.first_block + half, range.block_count - half, range.reach, 0});
+    cut_.push_back({range.tile, range.first_block, half, range.reach, 0});
   }
 
-  void push_wider(PartRange range, double reach) {
-    reach_ = range.reach = reach;
+  void push_again(const PartRange& range) {
+    reach_ = range.reach;
     cut_.push_back(range);
   }
 
@@ -99,7 +101,7 @@ class Pipeline {
         op_(op),
         budget_(budget),
         monitor_(monitor),
-        loader_(source, op.result_header().schema.row_size()),
+        loader_(source, op.needs()),
         queue_(result.tiles().size(), source.tiles(), op.first_reach()),
         committer_(result, op) {}
 
@@ -109,9 +111,9 @@ class Pipeline {
       if (!fetched.plan) break;
       PSS_TRY(load_if_missing(fetched));
       Part& part = *fetched.part;
-      if (const std::optional<double> wider = op_.prepare(part)) {
+      if (const std::optional<PartRange> needed = op_.prepare(part)) {
         ++summary_.reloaded_parts;
-        queue_.push_wider(part.range, *wider);
+        queue_.push_again(*needed);
         continue;
       }
       ahead_ = std::async(std::launch::async, [this] { return fetch(); });
@@ -174,6 +176,7 @@ class Pipeline {
     part.own = {};
     part.rows = {};
     part.candidates = {};
+    part.normals = {};
     part.supports = {};
     std::uint64_t bytes = 0;
     for (const EncodedBlock& block : finished.blocks) bytes += block.bytes.capacity();
@@ -238,7 +241,7 @@ Result<ScheduleSummary> run_operator(const Store& source, const Operator& op, St
 
 Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& op,
                                            MemoryBudget& budget) {
-  const PartLoader loader(source, op.result_header().schema.row_size());
+  const PartLoader loader(source, op.needs());
   PartQueue queue(0, source.tiles(), op.first_reach());
   ScheduleEstimate estimate;
   estimate.tiles = source.tiles().size();

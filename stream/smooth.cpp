@@ -41,10 +41,15 @@ class SmoothRun {
   Result<void> enter(const WorkDirectory& work);
   Result<void> compute(const WorkDirectory& work);
   Result<Store> sorted_input(const WorkDirectory& work);
+  Result<Reservation> reserve_tables(const Store& store);
   Result<ChosenWidths> choose(const Store& source);
-  Result<void> project(const Store& source, const ChosenWidths& widths, const WorkDirectory& work);
+  Result<void> check(const Store& source, const WorkDirectory& work) const;
   Result<void> check_space(const Store& source, const ProjectOperator& op,
                            const WorkDirectory& work) const;
+  Result<void> compute_normals(const Store& source, const WorkDirectory& work);
+  Result<void> project(const Store& source, const WorkDirectory& work);
+  Result<StoreWriter> run_stage(const char* stage, const Store& source, const ProjectOperator& op,
+                                const std::string& path);
   Result<void> write(const WorkDirectory& work);
   void note_if_few_moved();
   void describe_run();
@@ -67,13 +72,24 @@ Result<void> SmoothRun::enter(const WorkDirectory& work) {
 
 Result<void> SmoothRun::compute(const WorkDirectory& work) {
   PSS_ASSIGN(const Store source, sorted_input(work));
-  const auto tables = budget_.reserve(source.memory());
-  if (!tables)
-    return Error{Fault::kMemoryLimit,
-                 fmt::format("the table of {} tiles takes {} MiB; use a larger --memory-limit",
-                             source.tiles().size(), source.memory() >> 20)};
+  PSS_ASSIGN(const Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
-  return project(source, widths, work);
+  report_.store_bytes = source.bytes_on_disk();
+  report_.widths = widths;
+  report_.normals = normals_from(source.header().schema, method_of(job_.options));
+  PSS_TRY(check(source, work));
+  if (report_.normals != NormalsFrom::kFirstPass) return project(source, work);
+  PSS_TRY(compute_normals(source, work));
+  PSS_ASSIGN(const Store with_normals, Store::open(work.normals_store()));
+  PSS_ASSIGN(const Reservation more_tables, reserve_tables(with_normals));
+  return project(with_normals, work);
+}
+
+Result<Reservation> SmoothRun::reserve_tables(const Store& store) {
+  if (auto tables = budget_.reserve(store.memory())) return *std::move(tables);
+  return Error{Fault::kMemoryLimit,
+               fmt::format("the table of {} tiles takes {} MiB; use a larger --memory-limit",
+                           store.tiles().size(), store.memory() >> 20)};
 }
 
 /// The store that the inputs make, or the one that was given.
@@ -112,40 +128,55 @@ Result<ChosenWidths> SmoothRun::choose(const Store& source) {
   return widths;
 }
 
-Result<void> SmoothRun::project(const Store& source, const ChosenWidths& widths,
-                                const WorkDirectory& work) {
-  const Stopwatch watch;
-  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, widths));
+/// Refuses what could not be finished.
+Result<void> SmoothRun::check(const Store& source, const WorkDirectory& work) const {
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths));
   PSS_TRY(check_buffer(op, job_.options));
-  PSS_TRY(check_space(source, op, work));
-  StoreHeader header = op.result_header();
-  header.parameters = result_parameters(job_, widths);
-  PSS_ASSIGN(StoreWriter result, is_store(work.result_store())
-                                     ? StoreWriter::resume(work.result_store(), header)
-                                     : StoreWriter::create(work.result_store(), header));
-  if (result.complete()) return {};  // stopped while it was finished: resuming has ended that
-  monitor_.begin("smooth", source.points(), source.tiles().size());
-  for (const TileInfo& tile : result.tiles()) monitor_.advance(tile.count, 1);
-  PSS_ASSIGN(report_.schedule, run_operator(source, op, result, budget_, monitor_));
-  report_.widths = widths;
-  report_.store_bytes = source.bytes_on_disk();
-  report_.smooth_seconds = watch.seconds();
-  return result.finish(result_summary(report_));
+  return check_space(source, op, work);
 }
 
-/// The result store and the output must fit on the disk, uncompressed at worst.
+/// Runs an operator into a store of the work directory, or goes on with what is there.
+Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
+                                         const ProjectOperator& op, const std::string& path) {
+  StoreHeader header = op.result_header();
+  header.parameters = result_parameters(job_, report_.widths);
+  PSS_ASSIGN(StoreWriter result, is_store(path) ? StoreWriter::resume(path, header)
+                                                : StoreWriter::create(path, header));
+  if (result.complete()) return result;  // also where it was stopped while it was finished
+  monitor_.begin(stage, source.points(), source.tiles().size());
+  for (const TileInfo& tile : result.tiles()) monitor_.advance(tile.count, 1);
+  PSS_ASSIGN(report_.schedule, run_operator(source, op, result, budget_, monitor_));
+  return result;
+}
+
+/// The first pass: the sorted input again, each point with a normal.
+Result<void> SmoothRun::compute_normals(const Store& source, const WorkDirectory& work) {
+  const Stopwatch watch;
+  PSS_ASSIGN(const ProjectOperator op, normals_operator(source, job_, report_.widths));
+  PSS_ASSIGN(StoreWriter result, run_stage("normals", source, op, work.normals_store()));
+  report_.normals_seconds = watch.seconds();
+  return result.complete() ? Result<void>() : result.finish("{}");
+}
+
+Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) {
+  const Stopwatch watch;
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths));
+  PSS_ASSIGN(StoreWriter result, run_stage("smooth", source, op, work.result_store()));
+  report_.smooth_seconds = watch.seconds();
+  return result.complete() ? Result<void>() : result.finish(result_summary(report_));
+}
+
+/// The stores that are still to be written and the output must fit on the disk, uncompressed at
+/// worst.
 Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& op,
                                     const WorkDirectory& work) const {
-  const double row = static_cast<double>(op.result_header().schema.row_size());
-  const double source_row = static_cast<double>(source.header().schema.row_size());
-  const double store = static_cast<double>(source.bytes_on_disk()) * (24 + row) / (24 + source_row);
-  const double file = static_cast<double>(source.points()) * (12 + row);
-  const auto needed = static_cast<std::uint64_t>(store + file);
+  const std::uint64_t needed = bytes_to_write(source, op, report_.normals);
   PSS_ASSIGN(const std::uint64_t free, free_space(work.path()));
   std::uint64_t present = 0;
-  if (is_store(work.result_store())) {
-    PSS_ASSIGN(const Store result, Store::open(work.result_store()));
-    present = result.bytes_on_disk();
+  for (const std::string& path : {work.normals_store(), work.result_store()}) {
+    if (!is_store(path)) continue;
+    PSS_ASSIGN(const Store store, Store::open(path));
+    present += store.bytes_on_disk();
   }
   if (free + present >= needed) return {};
   return Error{Fault::kFailed,

@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "stream/ingest.h"
 #include "stream/memory.h"
+#include "stream/normals.h"
 #include "stream/outputs.h"
 #include "stream/project_statistics.h"
 #include "stream/scheduler.h"
@@ -55,13 +56,14 @@ struct SmoothReport {
   std::uint64_t points_out = 0;
   IngestSummary ingest;
   Method method;
+  NormalsFrom normals = NormalsFrom::kNowhere;
   ChosenWidths widths;
   ProjectStatistics statistics;
   ScheduleSummary schedule;
   std::uint64_t tiles = 0;
   double rounding_step = 0;  ///< largest axis step of the written grid; 0 for floating point
-  double plan_seconds = 0, ingest_seconds = 0, spacing_seconds = 0, smooth_seconds = 0,
-         write_seconds = 0, total_seconds = 0;
+  double plan_seconds = 0, ingest_seconds = 0, spacing_seconds = 0, normals_seconds = 0,
+         smooth_seconds = 0, write_seconds = 0, total_seconds = 0;
   std::uint64_t store_bytes = 0;   ///< of the sorted input on disk
   std::uint64_t result_bytes = 0;  ///< of the result store
   std::uint64_t peak_memory = 0;
@@ -89,6 +91,7 @@ struct SmoothEstimate {
   std::uint64_t disk_bytes = 0;   ///< work directory and output together, at the worst moment
   double seconds = 0;             ///< of this machine and thread count
   Method method;
+  NormalsFrom normals = NormalsFrom::kNowhere;
   ChosenWidths widths;  ///< only from a store
 };
 Result<SmoothEstimate> estimate_smooth(const SmoothJob& job, MemoryBudget& budget,
@@ -99,7 +102,7 @@ std::string to_json(const SmoothEstimate& estimate);
 struct JobState {
   std::string command;
   std::string output;
-  std::string stage;  ///< "sort", "smooth", "write", "complete"
+  std::string stage;  ///< "sort", "normals", "smooth", "write", "complete"
   std::uint64_t tiles_done = 0;
   std::uint64_t tiles = 0;  ///< 0 while unknown
   std::uint64_t points = 0;

@@ -32,7 +32,10 @@ double usual_neighbours(const ChosenWidths& widths) {
 void add_times(SmoothEstimate& estimate, double neighbours) {
   const double points = static_cast<double>(estimate.points);
   const double threads = thread_count();
-  estimate.seconds = kRowWork * points * seconds_per_point(estimate.method, neighbours) / threads;
+  double per_point = seconds_per_point(estimate.method, neighbours);
+  if (estimate.normals == NormalsFrom::kFirstPass)
+    per_point += seconds_per_point(normals_method(estimate.method), neighbours);
+  estimate.seconds = kRowWork * points * per_point / threads;
   if (!estimate.from_store) estimate.seconds += points / kSortRate / std::min(threads, 4.0);
 }
 
@@ -44,11 +47,11 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
   }
   SmoothEstimate estimate;
   estimate.method = method_of(job.options);
+  estimate.normals = normals_from(source.header().schema, estimate.method);
   estimate.widths = choose_widths(job.options.widths, spacing);
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths));
   PSS_TRY(check_buffer(op, job.options));
   PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, op, budget));
-  const std::uint64_t row = op.result_header().schema.row_size();
   estimate.from_store = true;
   estimate.points = source.points();
   estimate.tiles = schedule.tiles;
@@ -57,9 +60,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
     estimate.halo_share =
         static_cast<double>(schedule.halo_points) / static_cast<double>(schedule.own_points);
   estimate.peak_memory = budget.limit() - budget.total() + schedule.peak_bytes;
-  estimate.disk_bytes =
-      source.bytes_on_disk() * (24 + row) / (24 + source.header().schema.row_size()) +
-      estimate.points * (12 + row);
+  estimate.disk_bytes = bytes_to_write(source, op, estimate.normals);
   add_times(estimate, usual_neighbours(estimate.widths));
   return estimate;
 }
@@ -79,6 +80,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   PSS_TRY(OutputColumns::add_to(schema, job.options.outputs));
   SmoothEstimate estimate;
   estimate.method = method_of(job.options);
+  estimate.normals = normals_from(plan.header.schema, estimate.method);
   estimate.points = plan.points;
   const double per_tile = kUsualTilePoints * job.options.tile_points / kTilePoints;
   estimate.tiles = static_cast<std::uint64_t>(static_cast<double>(plan.points) / per_tile) + 1;
@@ -91,6 +93,8 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   estimate.peak_memory = peak_from_files(plan.points, schema.row_size(), budget);
   estimate.disk_bytes = plan.disk_bytes + plan.points * (12 + schema.row_size()) +
                         plan.points * (8 + schema.row_size() / 2);
+  if (estimate.normals == NormalsFrom::kFirstPass)
+    estimate.disk_bytes += plan.points * (8 + sizeof(Normal) + schema.row_size() / 2);
   add_times(estimate, kUsualNeighbours);
   return estimate;
 }

@@ -58,6 +58,18 @@ Result<void> check_buffer_width(const SmoothOptions& options, double needed) {
                   *options.buffer, needed)};
 }
 
+/// How wide every pass of the job looks.
+ProjectParameters parameters_for(const SmoothJob& job, const ChosenWidths& widths) {
+  ProjectParameters parameters;
+  parameters.support = {widths.h, widths.radius};
+  parameters.nearest = widths.nearest;
+  parameters.factor = widths.factor;
+  parameters.cap = widths.cap;
+  parameters.first_guess = widths.typical;
+  parameters.buffer = job.options.buffer;
+  return parameters;
+}
+
 bool positive(const World3& v) {
   return std::ranges::all_of(v, [](double x) { return x > 0 && std::isfinite(x); });
 }
@@ -124,15 +136,9 @@ ExportOptions export_options(const SmoothJob& job) {
 
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths) {
-  ProjectParameters parameters;
+  ProjectParameters parameters = parameters_for(job, widths);
   parameters.method = method_of(job.options);
-  parameters.support = {widths.h, widths.radius};
-  parameters.nearest = widths.nearest;
-  parameters.factor = widths.factor;
-  parameters.cap = widths.cap;
-  parameters.first_guess = widths.typical;
   parameters.outputs = job.options.outputs;
-  parameters.buffer = job.options.buffer;
   if (!is_store_name(job.output)) {
     PSS_ASSIGN(const Format format, format_for(job.output));
     const double margin = std::max(widths.radius, widths.cap);
@@ -140,6 +146,26 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
         export_grid(source.header(), bounds_of(source), margin, format, export_options(job));
   }
   return ProjectOperator::create(source, parameters);
+}
+
+Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
+                                         const ChosenWidths& widths) {
+  ProjectParameters parameters = parameters_for(job, widths);
+  parameters.method = normals_method(method_of(job.options));
+  parameters.only_normals = true;
+  return ProjectOperator::create(source, parameters);
+}
+
+std::uint64_t bytes_to_write(const Store& source, const ProjectOperator& op, NormalsFrom normals) {
+  const auto size_with = [](std::size_t row) { return static_cast<double>(sizeof(Index3) + row); };
+  const std::size_t source_row = source.header().schema.row_size();
+  const std::size_t row = op.result_header().schema.row_size();
+  const auto points = static_cast<double>(source.points());
+  const double per_byte = static_cast<double>(source.bytes_on_disk()) / size_with(source_row);
+  double bytes = per_byte * size_with(row) + points * static_cast<double>(3 * sizeof(int) + row);
+  if (normals == NormalsFrom::kFirstPass)
+    bytes += per_byte * size_with(source_row + sizeof(Normal));
+  return static_cast<std::uint64_t>(bytes);
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {

@@ -29,6 +29,12 @@ ExportOptions export_options(const SmoothJob& job);
 /// The job's operator over its sorted input.
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths);
+/// The job's first pass over its sorted input, where its operator needs normals and that has none.
+Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
+                                         const ChosenWidths& widths);
+/// About how many bytes a job over `source` writes: a store a pass, and the output, which is not
+/// compressed.
+std::uint64_t bytes_to_write(const Store& source, const ProjectOperator& op, NormalsFrom normals);
 /// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);
 

@@ -48,6 +48,13 @@ ordered_json method_json(const Method& method) {
           {"polynomial_order", has_order ? ordered_json(method.degree) : ordered_json()}};
 }
 
+/// The method and where its normals come from; null where it looks at none.
+ordered_json method_json(const Method& method, NormalsFrom normals) {
+  ordered_json j = method_json(method);
+  j["normals"] = normals == NormalsFrom::kNowhere ? ordered_json() : ordered_json(name_of(normals));
+  return j;
+}
+
 ordered_json ingest_json(const IngestSummary& ingest) {
   return ordered_json::parse(to_json(ingest), nullptr, false);
 }
@@ -83,8 +90,9 @@ ordered_json points_json(const SmoothReport& report) {
 
 ordered_json seconds_json(const SmoothReport& report) {
   return {{"plan", report.plan_seconds},       {"ingest", report.ingest_seconds},
-          {"spacing", report.spacing_seconds}, {"smooth", report.smooth_seconds},
-          {"write", report.write_seconds},     {"total", report.total_seconds}};
+          {"spacing", report.spacing_seconds}, {"normals", report.normals_seconds},
+          {"smooth", report.smooth_seconds},   {"write", report.write_seconds},
+          {"total", report.total_seconds}};
 }
 
 }  // namespace
@@ -99,6 +107,7 @@ std::string result_summary(const SmoothReport& report) {
   IngestSummary ingest = report.ingest;
   ingest.read_seconds = ingest.merge_seconds = 0;  // times are no part of what a run makes
   return ordered_json{{"ingest", ingest_json(ingest)},
+                      {"normals", name_of(report.normals)},
                       {"widths", widths_json(report.widths)},
                       {"notes", report.notes},
                       {"store_bytes", report.store_bytes}}
@@ -111,6 +120,7 @@ void read_result_summary(const std::string& summary, SmoothReport& report) {
   if (Result<IngestSummary> ingest =
           ingest_summary_from_json(j.value("ingest", ordered_json()).dump()))
     report.ingest = *ingest;
+  report.normals = normals_named(j.value("normals", ""));
   report.widths = widths_from(j.value("widths", ordered_json::object()));
   report.notes = j.value("notes", std::vector<std::string>());
   report.store_bytes = j.value("store_bytes", std::uint64_t{0});
@@ -128,7 +138,7 @@ std::string to_json(const SmoothReport& report) {
   j["points"] = points_json(report);
   j["moved_to_lattice"] = {{"points", report.ingest.moved_to_lattice},
                            {"largest", report.ingest.largest_move}};
-  j["method"] = method_json(report.method);
+  j["method"] = method_json(report.method, report.normals);
   j["widths"] = widths_json(report.widths);
   j["neighbours"] = {{"mean", s.mean_neighbours()}, {"most", s.most_neighbours}};
   j["displacement"] = {{"rms", s.rms_displacement()}, {"largest", s.largest_displacement}};
@@ -155,7 +165,7 @@ std::string to_json(const SmoothEstimate& estimate) {
                       {"memory", {{"peak", estimate.peak_memory}}},
                       {"disk_bytes", estimate.disk_bytes},
                       {"seconds", estimate.seconds},
-                      {"method", method_json(estimate.method)},
+                      {"method", method_json(estimate.method, estimate.normals)},
                       {"widths", widths_json(estimate.widths)}}
       .dump(2);
 }

@@ -15,14 +15,16 @@ std::uint64_t tiles_in(const std::string& path) {
 }
 
 /// The stage that the stores in the directory show.
-void find_stage(const std::string& input, const std::string& result, JobState& state) {
-  if (!is_complete_store(input) && !is_store(result)) {
+void find_stage(const std::string& input, const std::string& normals, const std::string& result,
+                JobState& state) {
+  const bool first_pass = is_store(normals) && !is_complete_store(normals);
+  if (!is_complete_store(input) && !is_store(normals) && !is_store(result)) {
     state.stage = "sort";
     state.tiles_done = tiles_in(input);
     return;
   }
-  state.stage = is_complete_store(result) ? "write" : "smooth";
-  state.tiles_done = tiles_in(result);
+  state.stage = is_complete_store(result) ? "write" : first_pass ? "normals" : "smooth";
+  state.tiles_done = tiles_in(first_pass ? normals : result);
   if (const Result<Store> source = Store::open(input)) {
     state.tiles = source->tiles().size();
     state.points = source->points();
@@ -50,7 +52,7 @@ Result<JobState> read_job_state(const std::string& work_dir) {
   const bool over_store =
       record->inputs.size() == 1 && is_store(directory_of(record->inputs.front().path));
   find_stage(over_store ? directory_of(record->inputs.front().path) : work_dir + "/input.pss",
-             work_dir + "/result.pss", state);
+             work_dir + "/normals.pss", work_dir + "/result.pss", state);
   return state;
 }
 

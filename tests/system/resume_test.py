@@ -21,18 +21,18 @@ class ResumeTest(SystemTest):
         self.scan = self.synth("scan.las", "--scans", "3", "--noise", "0.2", points=self.points)
         self.out = self.path("out.las")
 
-    def words(self, out, *more):
+    def words(self, out, *more, spacings=4):
         return ["smooth", self.scan, "-o", out, "--tile-points", self.points // 100, "--radius",
-                4 * harness.torus_spacing(self.points), "--progress", "none", "--memory-limit",
+                spacings * harness.torus_spacing(self.points), "--progress", "none", "--memory-limit",
                 "192M", *more]
 
-    def start_and_wait_for_tiles(self):
-        """A job that has begun to write its result."""
+    def start_and_wait_for_tiles(self, words=None, store="result.pss"):
+        """A job that has begun to write its result, or another store."""
         work = self.path("out.las.work")
         self.assertFalse(work.exists())
-        process = harness.start(*self.words(self.out))
+        process = harness.start(*(words or self.words(self.out)))
         deadline = time.monotonic() + 120
-        while not (work / "result.pss").exists():
+        while not any((work / store).glob("segment-*")):
             self.assertFalse(harness.ended(process), "ended before it could be interrupted")
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.01)
@@ -101,6 +101,19 @@ class Resume(ResumeTest):
         os.utime(self.scan, ns=(1, 1))
         self.refused(FAILED, *self.words(self.out), says=["scan.las", "--restart"])
         self.ok(*self.words(self.out, "--degree", "1", "--restart"))
+
+    def test_a_job_killed_while_it_computes_normals_goes_on_with_the_same_bytes(self):
+        def words(out, *more):  # many neighbours: the pass shall take a while
+            return self.words(out, "--operator", "apss", "--outputs", "all", *more, spacings=15)
+
+        whole = self.path("whole.las")
+        self.ok(*words(whole))
+        job = self.start_and_wait_for_tiles(words(self.out, "--threads", 1), "normals.pss")
+        harness.signal_to(job, signal.SIGKILL)
+        self.assertEqual(harness.finish(job).code, -signal.SIGKILL)
+        self.assertRegex(self.ok("info", self.path("out.las.work")).out, r"stage +normals")
+        self.ok(*words(self.out))
+        self.assertEqual(harness.sha256(self.out), harness.sha256(whole))
 
     def test_info_tells_how_far_a_job_is(self):
         job = self.start_and_wait_for_tiles()

@@ -99,6 +99,86 @@ class OneResult(SystemTest):
         self.assertEqual(harness.sha256(out), self.expected)
 
 
+class Operators(SystemTest):
+    """One SHA-256 for every operator and weight, whatever it runs with."""
+
+    OPERATORS = ("levin", "fast", "apss", "rimls")
+    WEIGHTS = ("gaussian", "wendland", "pcl")
+
+    def expect_one_hash(self, scan, *words):
+        hashes = set()
+        for number, how in enumerate((["--threads", 1, "--tile-points", 1000],
+                                      ["--threads", 2, "--memory-limit", "128M"],
+                                      ["--threads", 2, "--tile-points", 3000,
+                                       "--memory-limit", "1G"])):
+            out = self.path(f"{number}{scan.suffix}")
+            self.ok("smooth", scan, "-o", out, "--outputs", "all", "--overwrite", "--restart",
+                    *words, *how)
+            hashes.add(harness.sha256(out))
+        self.assertEqual(len(hashes), 1, words)
+        return hashes.pop()
+
+    def test_every_operator_with_every_weight(self):
+        scan = self.synth("scan.las", "--scans", "2", "--noise", "0.2", points=10000)
+        for operator in self.OPERATORS:
+            for weight in self.WEIGHTS:
+                with self.subTest(operator=operator, weight=weight):
+                    self.expect_one_hash(scan, "--operator", operator, "--weight", weight)
+
+    def test_single_precision_and_neighbours_by_number(self):
+        scan = self.synth("scan.las", "--scans", "2", "--noise", "0.2", points=10000)
+        for operator in self.OPERATORS:
+            with self.subTest(operator):
+                self.expect_one_hash(scan, "--operator", operator, "--precision", "single")
+                self.expect_one_hash(scan, "--operator", operator, "--knn", 60)
+
+    @needs_data
+    def test_normals_of_the_input(self):
+        scan = DATA / "scans" / "pond_binary_normals_rgb.ply"
+        for operator in ("apss", "rimls"):
+            with self.subTest(operator):
+                self.expect_one_hash(scan, "--operator", operator)
+
+
+class Normals(SystemTest):
+    def report_of(self, scan, out, *words):
+        report = self.path("report.json")
+        self.ok("smooth", scan, "-o", out, "--operator", "apss", "--report", report, *words)
+        return harness.read_json(report)
+
+    @needs_data
+    def test_of_the_input_are_used_and_kept(self):
+        scan, out = DATA / "scans" / "pond_binary_normals_rgb.ply", self.path("out.ply")
+        said = self.report_of(scan, out)
+        self.assertEqual(said["method"]["normals"], "given")
+        self.assertEqual(said["seconds"]["normals"], 0)
+        self.assertEqual(harness.Ply(out).others(), harness.Ply(scan).others())
+
+    def test_are_computed_where_there_are_none_and_leave_no_trace(self):
+        scan, out = self.synth("scan.ply", "--noise", "0.2"), self.path("out.ply")
+        said = self.report_of(scan, out)
+        self.assertEqual(said["method"]["normals"], "computed")
+        self.assertGreater(said["seconds"]["normals"], 0)
+        self.assertEqual(harness.Ply(out).names, harness.Ply(scan).names)
+
+    def test_are_in_the_result_where_they_are_asked_for(self):
+        scan, out = self.synth("scan.ply", "--noise", "0.2"), self.path("out.ply")
+        self.report_of(scan, out, "--outputs", "normals")
+        self.assertEqual(harness.Ply(out).names, harness.Ply(scan).names + ["nx", "ny", "nz"])
+
+    def test_count_in_the_estimate(self):
+        scan, store = self.synth("scan.las", "--noise", "0.2"), self.path("scan.pss")
+        self.ok("tile", scan, "-o", store)
+        for source in (scan, store):
+            disk = {}
+            for operator in ("levin", "apss"):
+                report = self.path(f"{operator}.json")
+                self.ok("smooth", source, "-o", self.path("out.las"), "--dry-run", "--operator",
+                        operator, "--report", report)
+                disk[operator] = harness.read_json(report)["disk_bytes"]
+            self.assertGreater(disk["apss"], disk["levin"] + 12 * 20000)
+
+
 class Words(SystemTest):
     def setUp(self):
         super().setUp()
@@ -161,7 +241,8 @@ class Words(SystemTest):
                 "--precision", "double", "--degree", "2", "--report", report)
         said = harness.read_json(report)
         self.assertEqual(said["method"], {"operator": "fast", "weight": "wendland",
-                                          "precision": "double", "polynomial_order": 2})
+                                          "precision": "double", "polynomial_order": 2,
+                                          "normals": None})
         self.assertEqual(said["points"]["redone_in_double"], 0)
         self.assertLessEqual(said["points"]["second_sheet"], 20000)
 
