@@ -60,8 +60,8 @@ SortedCloud MlsSurface::with_normals(SortedCloud cloud, const Method& method,
   MlsSurface surface(std::move(cloud), false, method, widths);
   std::vector<Normal> normals(surface.size());
   surface.for_each_point([&](std::size_t i, const Projection& projection) {
-    World3 stored = projection.normal;  // as a file holds it, so that files give the same
-    for (double& component : stored) component = static_cast<float>(component);
+    Normal stored{};  // as a file holds it, so that files give the same
+    for (std::size_t a = 0; a < 3; ++a) stored[a] = static_cast<float>(projection.normal[a]);
     normals[i] = unit_normal(stored);
   });
   surface.cloud_.normals = std::move(normals);

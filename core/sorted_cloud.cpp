@@ -79,8 +79,6 @@ std::vector<Index3> distinct(std::span<const Index3> sorted) {
   return positions;
 }
 
-Normal unit_of(const Normal& n) { return unit_normal({n[0], n[1], n[2]}); }
-
 }  // namespace
 
 Normal unit_normal(const World3& direction) {
@@ -89,6 +87,10 @@ Normal unit_normal(const World3& direction) {
   const double length = std::sqrt(length_sq);
   return {static_cast<float>(direction[0] / length), static_cast<float>(direction[1] / length),
           static_cast<float>(direction[2] / length)};
+}
+
+Normal unit_normal(const Normal& direction) {
+  return unit_normal(World3{direction[0], direction[1], direction[2]});
 }
 
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals,
@@ -118,7 +120,7 @@ Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const N
   for (const Entry& entry : entries) {
     cloud.points.push_back(decode_key(entry.key));
     cloud.order.push_back(entry.index);
-    if (!normals.empty()) cloud.normals.push_back(unit_of(normals[entry.index]));
+    if (!normals.empty()) cloud.normals.push_back(unit_normal(normals[entry.index]));
   }
   return cloud;
 }

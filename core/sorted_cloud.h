@@ -13,7 +13,11 @@
 namespace pss {
 
 /// A direction as a cloud's normal: of length one; zero for what has no direction.
+///
+/// The second is no inline call of the first: g++ 12 at -O2 vectorises pairs of double -> float ->
+/// double away.
 Normal unit_normal(const World3& direction);
+Normal unit_normal(const Normal& direction);
 
 struct SortedCloud {
   Lattice lattice;
