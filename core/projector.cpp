@@ -9,8 +9,7 @@ namespace pss {
 
 struct Projector::Workspace {
   simd::Workspace kernels;
-  Offsets offsets;
-  std::vector<std::uint32_t> all, in_double, last;
+  std::vector<std::uint32_t> all, redone, hard, none;
 };
 
 Projector::Projector(const CellGrid& grid, const Method& method, const CloudNormals& normals)
@@ -26,16 +25,19 @@ void Projector::project(std::span<const Query> queries, std::span<const Support>
   const simd::Batch batch{grid_, normals_, method_, queries, supports, results};
   w.all.resize(queries.size());
   std::iota(w.all.begin(), w.all.end(), 0u);
-  w.in_double.clear();
-  w.last.clear();
+  w.redone.clear();
+  w.hard.clear();
   const bool single = method_.precision == Precision::kSingle;
-  if (single) simd::project_single(batch, w.all, w.kernels, w.in_double);
-  simd::project_double(batch, single ? w.in_double : w.all, w.kernels, w.last);
-  for (const std::uint32_t i : w.last) {
-    grid_.gather(queries[i], reach(method_.weight, batch.support(i)), w.offsets);
-    results[i] = project_point(w.offsets, batch.support(i), method_);
-  }
-  for (const std::uint32_t i : w.in_double) results[i].redone = true;
+  const auto in_double = [&](simd::Search search, const std::vector<std::uint32_t>& which,
+                             std::vector<std::uint32_t>& rest) {
+    simd::project(batch, Precision::kDouble, search, which, w.kernels, rest);
+  };
+  if (single)
+    simd::project(batch, Precision::kSingle, simd::Search::kEasy, w.all, w.kernels, w.redone);
+  in_double(simd::Search::kEasy, single ? w.redone : w.all, w.hard);
+  in_double(simd::Search::kWhole, w.hard, w.none);
+  assert(w.none.empty());
+  for (const std::uint32_t i : w.redone) results[i].redone = true;
 }
 
 std::size_t Projector::bytes_for(std::size_t ball_points, MlsOperator op) {

@@ -7,7 +7,7 @@
 #endif
 
 #include "core/polynomial.h"
-#include "core/simd/plane-inl.h"
+#include "core/simd/stage-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {

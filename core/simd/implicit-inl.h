@@ -76,19 +76,15 @@ struct Walk {
   Mask<T> easy;
 };
 
-template <class T>
-HWY_INLINE Vec<T> code(Status status) {
-  return set(static_cast<T>(static_cast<int>(status)));
-}
-
 /// What a step means for a lane; comparisons that a NaN fails end its walk.
 template <class T>
 HWY_INLINE Vec<T> judge(const ImplicitStep<T>& step, Vec<T> distance_sq) {
   const auto enough = step.count >= set(T{3});
   const auto inside = distance_sq < set(T(0.25));
-  const auto moved = hn::IfThenElse(inside, code<T>(Status::kOk), code<T>(Status::kOutOfDomain));
-  const auto stepped = hn::IfThenElse(step.exists, moved, code<T>(Status::kDegenerate));
-  return hn::IfThenElse(enough, stepped, code<T>(Status::kTooFew));
+  const auto moved =
+      hn::IfThenElse(inside, status_code<T>(Status::kOk), status_code<T>(Status::kOutOfDomain));
+  const auto stepped = hn::IfThenElse(step.exists, moved, status_code<T>(Status::kDegenerate));
+  return hn::IfThenElse(enough, stepped, status_code<T>(Status::kTooFew));
 }
 
 /// Follows step_at from the query until a step is short; a lane that fails stays where it failed.
@@ -116,7 +112,7 @@ HWY_INLINE Walk<T> walk(Mask<T> lanes, const StepAt& step_at) {
     if constexpr (sizeof(T) == 4) moving = hn::And(moving, w.easy);
   }
   w.easy = hn::And(w.easy, hn::Not(moving));
-  w.status = hn::IfThenElse(moving, code<T>(Status::kDegenerate), w.status);
+  w.status = hn::IfThenElse(moving, status_code<T>(Status::kDegenerate), w.status);
   // Double precision decides everything itself.
   if constexpr (sizeof(T) == 8) w.easy = lanes;
   return w;

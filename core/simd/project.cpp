@@ -19,6 +19,7 @@
 #include "core/simd/plane-inl.h"
 #include "core/simd/result-inl.h"
 #include "core/simd/rimls-inl.h"
+#include "core/simd/search-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {
@@ -29,8 +30,9 @@ class Group {
   using V = Vec<T>;
 
  public:
-  Group(const simd::Batch& batch, simd::Workspace& workspace, std::vector<std::uint32_t>& rest)
-      : batch_(batch), w_(workspace), rest_(rest) {
+  Group(const simd::Batch& batch, simd::Search search, simd::Workspace& workspace,
+        std::vector<std::uint32_t>& rest)
+      : batch_(batch), search_(search), w_(workspace), rest_(rest) {
     w_.stage.reserve(sizeof(Stage<T>));
   }
 
@@ -126,15 +128,21 @@ class Group {
     Stage<T>& stage = *reinterpret_cast<Stage<T>*>(w_.stage.data());
     if (needs_normals(batch_.method.op))
       return write(project_implicit(balls, weight, radius, lanes, stage));
-    const Planes<T> plane = batch_.method.op == MlsOperator::kFast
-                                ? settled_planes<T>(balls, weight, lanes)
-                                : newton_planes<T>(balls, weight, lanes, stage);
+    const Planes<T> plane = planes(balls, weight, lanes, stage);
     if (hn::AllFalse(Tag<T>(), plane.easy)) return refuse_all();
     const Axes<V> axes = axes_of(plane.n);
     const V zero = set(T{0});
     const Maps<T> map = fit<T>(batch_.method.degree, balls, weight, radius, axes,
                                Vec3<V>{zero, zero, plane.t}, stage);
     write(describe<T>(plane, axes, map));
+  }
+
+  template <class W>
+  Planes<T> planes(const Balls<T>& balls, const W& weight, Mask<T> lanes, Stage<T>& stage) {
+    if (batch_.method.op == MlsOperator::kFast) return settled_planes<T>(balls, weight, lanes);
+    if constexpr (Tolerance<T>::kDecides)
+      if (search_ == simd::Search::kWhole) return searched_planes<T>(balls, weight, lanes, stage);
+    return newton_planes<T>(balls, weight, lanes, stage);
   }
 
   template <class W>
@@ -165,6 +173,7 @@ class Group {
   }
 
   const simd::Batch& batch_;
+  simd::Search search_;
   simd::Workspace& w_;
   std::vector<std::uint32_t>& rest_;
   std::size_t lanes_ = 0;
@@ -214,9 +223,9 @@ class Run {
 };
 
 template <class T>
-void project_in(const simd::Batch& batch, std::span<const std::uint32_t> which,
+void project_in(const simd::Batch& batch, simd::Search search, std::span<const std::uint32_t> which,
                 simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
-  Group<T> group(batch, workspace, rest);
+  Group<T> group(batch, search, workspace, rest);
   RunCandidates candidates(batch, workspace);
   while (!which.empty()) {
     const Run run(batch, which);
@@ -232,14 +241,11 @@ void project_in(const simd::Batch& batch, std::span<const std::uint32_t> which,
   group.compute();
 }
 
-void project_single(const simd::Batch& batch, std::span<const std::uint32_t> which,
-                    simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
-  project_in<float>(batch, which, workspace, rest);
-}
-
-void project_double(const simd::Batch& batch, std::span<const std::uint32_t> which,
-                    simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
-  project_in<double>(batch, which, workspace, rest);
+void project(const simd::Batch& batch, Precision precision, simd::Search search,
+             std::span<const std::uint32_t> which, simd::Workspace& workspace,
+             std::vector<std::uint32_t>& rest) {
+  precision == Precision::kSingle ? project_in<float>(batch, search, which, workspace, rest)
+                                  : project_in<double>(batch, search, which, workspace, rest);
 }
 
 }  // namespace pss::HWY_NAMESPACE
@@ -248,19 +254,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pss {
 
-HWY_EXPORT(project_single);
-HWY_EXPORT(project_double);
+HWY_EXPORT(project);
 
 namespace simd {
 
-void project_single(const Batch& batch, std::span<const std::uint32_t> which, Workspace& workspace,
-                    std::vector<std::uint32_t>& rest) {
-  HWY_DYNAMIC_DISPATCH(pss::project_single)(batch, which, workspace, rest);
-}
-
-void project_double(const Batch& batch, std::span<const std::uint32_t> which, Workspace& workspace,
-                    std::vector<std::uint32_t>& rest) {
-  HWY_DYNAMIC_DISPATCH(pss::project_double)(batch, which, workspace, rest);
+void project(const Batch& batch, Precision precision, Search search,
+             std::span<const std::uint32_t> which, Workspace& workspace,
+             std::vector<std::uint32_t>& rest) {
+  HWY_DYNAMIC_DISPATCH(pss::project)(batch, precision, search, which, workspace, rest);
 }
 
 }  // namespace simd

@@ -82,11 +82,18 @@ struct Workspace {
   Buffer<std::byte> balls, normals, stage;
 };
 
-/// Projects queries[which[i]], in ascending order, in one precision; appends to `rest` those that
-/// ask for more than this precision, or more than the easy path, can give.
-void project_single(const Batch& batch, std::span<const std::uint32_t> which, Workspace& workspace,
-                    std::vector<std::uint32_t>& rest);
-void project_double(const Batch& batch, std::span<const std::uint32_t> which, Workspace& workspace,
-                    std::vector<std::uint32_t>& rest);
+/// How far the search for a reference plane goes; only `levin` in double tells the two apart.
+enum class Search {
+  kEasy,   ///< Newton's method; lanes that need a safeguard are left
+  kWhole,  ///< with every safeguard; no lane is left
+};
+
+/// Projects queries[which[i]], in ascending order, and appends to `rest` those whose numbers ask
+/// for more: than single precision, or than the easy search.
+///
+/// Ensures: nothing is appended in double precision, but for the easy search of `levin`.
+void project(const Batch& batch, Precision precision, Search search,
+             std::span<const std::uint32_t> which, Workspace& workspace,
+             std::vector<std::uint32_t>& rest);
 
 }  // namespace pss::simd

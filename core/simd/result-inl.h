@@ -37,18 +37,20 @@ struct Outcomes {
     return {value[field][lane], value[field + 1][lane], value[field + 2][lane]};
   }
 
+  bool is_finite(std::size_t lane) const {
+    T zero = 0;  // unless a number is not
+    for (int field = 0; field < kFields; ++field) zero += value[field][lane] * 0;
+    return zero == 0;
+  }
+
   /// Fills in the projection of a lane; false where the lane's query needs another computation.
   bool write(std::size_t lane, double h, int degree, Projection& p) const {
     if (!(value[kEasy][lane] > 0)) return false;
-    if (value[kStatus][lane] > 0) {
+    const bool finite = is_finite(lane);
+    if (value[kStatus][lane] > 0 || !finite) {
       p = Projection{};
-      p.status = static_cast<Status>(static_cast<int>(value[kStatus][lane]));
-      p.neighbours = static_cast<std::uint32_t>(value[kCount][lane]);
-      return true;
-    }
-    if (value[kStatus][lane] > 0) {
-      p = {};
-      p.status = static_cast<Status>(static_cast<int>(value[kStatus][lane]));
+      p.status = finite ? static_cast<Status>(static_cast<int>(value[kStatus][lane]))
+                        : Status::kDegenerate;
       p.neighbours = static_cast<std::uint32_t>(value[kCount][lane]);
       return true;
     }
@@ -161,12 +163,14 @@ HWY_INLINE Outcomes<T> describe(const Planes<T>& plane, const Axes<Vec<T>>& axes
   keep(o, Outcomes<T>::kMove, (plane.t + height) * plane.n);
   keep_shape<T>(map, axes, o);
   keep_fit<T>(map, o);
-  store(zero, o.value[Outcomes<T>::kStatus]);
   const auto inside = hn::Abs(height) < set(Tolerance<T>::kFarthest);
-  auto easy = hn::And(plane.easy, map.degree >= zero);
-  if constexpr (!Tolerance<T>::kDecides) easy = hn::And(easy, hn::And(map.sound, inside));
-  const auto outside = hn::Or(plane.outside, hn::Not(inside));
-  store(hn::IfThenElseZero(outside, set(static_cast<T>(Status::kOutOfDomain))),
+  const auto fitted = map.degree >= zero;
+  auto easy = plane.easy;
+  if constexpr (!Tolerance<T>::kDecides)
+    easy = hn::And(hn::And(easy, fitted), hn::And(map.sound, inside));
+  const V moved = hn::IfThenElse(inside, zero, status_code<T>(Status::kOutOfDomain));
+  const V found = hn::IfThenElse(fitted, moved, status_code<T>(Status::kTooFew));
+  store(hn::IfThenElse(hn::Eq(plane.status, zero), found, plane.status),
         o.value[Outcomes<T>::kStatus]);
   store(hn::IfThenElseZero(easy, one), o.value[Outcomes<T>::kEasy]);
   return o;
