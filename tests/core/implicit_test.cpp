@@ -157,7 +157,7 @@ TEST(ImplicitOperators, DoNotCareOnWhichSideUnorientedNormalsStand) {
 TEST(ImplicitOperators, GiveTheSameBitsInEveryTargetAndBatch) {
   Scan scan = rough_torus();
   const Support support{0.12, 0.36};
-  const auto queries = some_queries(scan, 300);
+  const auto queries = some_queries(scan, 120);
   for (const bool oriented : {true, false}) {
     if (!oriented) turn_every_third(scan);
     for (const Method& method : methods_of({MlsOperator::kApss, MlsOperator::kRimls})) {
