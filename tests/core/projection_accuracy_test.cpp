@@ -19,10 +19,6 @@ Method in_double(MlsOperator op, WeightKind weight, int degree) {
   return {op, weight, Precision::kDouble, degree};
 }
 
-std::string name(const Method& method) {
-  return method_name(testing::TestParamInfo<Method>(method, 0));
-}
-
 double order(double coarse, double fine, double halvings) {
   return std::log2(coarse / fine) / halvings;
 }
@@ -34,7 +30,7 @@ TEST(Accuracy, GrowsOnATorusAtTheOrderOfTheDegree) {
   for (const MlsOperator op : kPlaneOperators)
     for (int m = 1; m <= 4; ++m) {
       const Method method = in_double(op, WeightKind::kGaussian, m);
-      SCOPED_TRACE(name(method));
+      SCOPED_TRACE(name_of(method));
       const Errors coarse = measure(coarse_scan, torus, {0.16, 0.72}, method, 400);
       const Errors fine = measure(fine_scan, torus, {0.02, 0.09}, method, 400);
       EXPECT_GE(fine.moved, 400u);
@@ -50,7 +46,7 @@ TEST(Accuracy, GrowsOnATorusAtTheSecondOrderWhereNormalsAreGiven) {
   const Scan fine_scan = scan_of(torus, 0.01);
   for (const MlsOperator op : {MlsOperator::kApss, MlsOperator::kRimls}) {
     const Method method = in_double(op, WeightKind::kGaussian, 3);
-    SCOPED_TRACE(name(method));
+    SCOPED_TRACE(name_of(method));
     const Errors coarse = measure(coarse_scan, torus, {0.16, 0.48}, method, 400);
     const Errors fine = measure(fine_scan, torus, {0.02, 0.06}, method, 400);
     EXPECT_GE(fine.moved, 400u);
@@ -86,7 +82,7 @@ TEST(Accuracy, LeavesASphereByTheClosedForm) {
     for (const WeightKind weight : kWeightKinds)
       for (int m = 0; m <= 4; ++m) {
         const Method method = in_double(op, weight, m);
-        SCOPED_TRACE(name(method));
+        SCOPED_TRACE(name_of(method));
         const double radius = radius_of(weight);
         const ClosedForms closed(weight, radius, m);
         const Errors e = measure(scan, sphere, {h, radius * h}, method, 200);
@@ -153,7 +149,7 @@ TEST(Accuracy, LeavesTheShareOfTheNoiseThatTheTheoryGives) {
     return std::abs(at[0]) > 68 || std::abs(at[1]) > 68;
   });
   for (const Method& method : all_methods()) {
-    SCOPED_TRACE(name(method));
+    SCOPED_TRACE(name_of(method));
     const double radius = radius_of(method.weight);
     ScanProjector project(scan, {h, radius * h}, method);
     const std::vector<Projection> results = project(queries);
@@ -175,7 +171,7 @@ TEST(Accuracy, OfTheBoundaryValueOnAnEdge) {
   const Query edge{to_index(scan.lattice, {10, 0, 0})};
   const Query inside{to_index(scan.lattice, {1, 2, 0})};
   for (const Method& method : all_methods({1})) {
-    SCOPED_TRACE(name(method));
+    SCOPED_TRACE(name_of(method));
     const double radius = radius_of(method.weight);
     ScanProjector project(scan, {8 * s, 8 * s * radius}, method);
     const double expected = ClosedForms(method.weight, radius, 1).edge_boundary();
@@ -188,7 +184,7 @@ TEST(Accuracy, OfCurvatureHasTheSignOfItsNormal) {
   const Sphere sphere{1};
   const Scan scan = scan_of(sphere, 0.03);
   for (const Method& method : all_methods({3})) {
-    SCOPED_TRACE(name(method));
+    SCOPED_TRACE(name_of(method));
     ScanProjector project(scan, {0.06, 0.18}, method);
     for (const Query& query : some_queries(scan, 100)) {
       const Projection p = project(query);
@@ -219,7 +215,7 @@ TEST(Accuracy, OfThePrincipalDirectionOnATorus) {
   for (const MlsOperator op : {MlsOperator::kLevin, MlsOperator::kFast, MlsOperator::kRimls})
     for (const Precision precision : {Precision::kDouble, Precision::kSingle}) {
       const Method method{op, WeightKind::kGaussian, precision, 3};
-      SCOPED_TRACE(name(method));
+      SCOPED_TRACE(name_of(method));
       ScanProjector project(scan, {0.06, 0.18}, method);
       for (const Query& query : some_queries(scan, 200)) {
         const Projection p = project(query);

@@ -170,26 +170,6 @@ TEST_P(ProjectionOfDegrees, ProjectFromWithinHalfAWidthAndNotFromBeyond) {
   }
 }
 
-TEST_P(ProjectionOfDegrees, ProjectTwiceAsOnce) {
-  const int degree = GetParam();
-  const double s = 0.03;
-  const Scan scan = scan_of(Torus{1, 0.4}, s, 0.2 * s);
-  const Support support{3 * s, radius_factor(degree) * 3 * s};
-  ScanProjector project(scan, support, levin(degree));
-  int projected = 0;
-  for (std::size_t i = 0; i < scan.points.size(); i += 35) {
-    Query query{scan.points[i]};
-    const Projection first = project(query);
-    ASSERT_EQ(first.status, Status::kOk);
-    query.remainder = first.displacement;
-    const Projection second = project(query);
-    ASSERT_EQ(second.status, Status::kOk);
-    EXPECT_LT(std::sqrt(dot(second.displacement, second.displacement)), 1e-12 * s);
-    ++projected;
-  }
-  EXPECT_GT(projected, 400);
-}
-
 TEST_P(ProjectionOfDegrees, GiveTheSameResultAlongTheWholeNormalLine) {
   const int degree = GetParam();
   const double s = 0.04;

@@ -26,12 +26,16 @@ inline std::vector<Method> all_methods(const std::vector<int>& degrees = {0, 1, 
   return methods_of({kMlsOperators.begin(), kMlsOperators.end()}, degrees);
 }
 
-/// Names a case of a parameterised test: "levin_gaussian_double_3".
-inline std::string method_name(const testing::TestParamInfo<Method>& info) {
-  const Method& m = info.param;
-  const std::string name =
-      std::string(name_of(m.op)) + "_" + name_of(m.weight) + "_" + name_of(m.precision);
+/// "levin_gaussian_double_3".
+inline std::string name_of(const Method& m) {
+  const std::string name = std::string(pss::name_of(m.op)) + "_" + pss::name_of(m.weight) + "_" +
+                           pss::name_of(m.precision);
   return needs_normals(m.op) ? name : name + "_" + std::to_string(m.degree);
+}
+
+/// Names a case of a parameterised test.
+inline std::string method_name(const testing::TestParamInfo<Method>& info) {
+  return name_of(info.param);
 }
 
 }  // namespace pss::test

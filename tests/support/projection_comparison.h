@@ -13,7 +13,7 @@ namespace pss::test {
 /// The reference's result for one place of a scan, by brute force over all of its points.
 template <class Real>
 Projection oracle_at(const Scan& scan, const Query& query, const Support& support,
-                     const Method& method, bool oriented = true) {
+                     const Method& method) {
   std::vector<World3> offsets;
   std::vector<World3> normals;
   const double radius = reach(method.weight, support);
@@ -27,7 +27,7 @@ Projection oracle_at(const Scan& scan, const Query& query, const Support& suppor
     const Normal& n = scan.normals[i];
     normals.push_back({n[0], n[1], n[2]});
   }
-  return project_by_oracle<Real>(offsets, support, method, {normals, oriented});
+  return project_by_oracle<Real>(offsets, support, method, {normals, scan.oriented});
 }
 
 /// How far two results may lie apart.

@@ -20,8 +20,9 @@ struct Scan {
   std::vector<Index3> points;
   double spacing = 0;
   std::vector<Normal> normals{};  ///< of the surface, one a point
+  bool oriented = true;
 
-  CloudNormals cloud_normals() const { return {normals, true}; }
+  CloudNormals cloud_normals() const { return {normals, oriented}; }
 };
 
 /// The nearest lattice positions with the normals that belong to them, in key order.
@@ -80,8 +81,14 @@ class ScanProjector {
   Projection operator()(const Query& query) { return (*this)(std::vector{query})[0]; }
 
   std::vector<Projection> operator()(std::span<const Query> queries) {
+    return (*this)(queries, {&support_, 1});
+  }
+
+  /// With a support for each query, none wider than the projector's own.
+  std::vector<Projection> operator()(std::span<const Query> queries,
+                                     std::span<const Support> supports) {
     std::vector<Projection> results(queries.size());
-    projector_.project(queries, {&support_, 1}, results);
+    projector_.project(queries, supports, results);
     return results;
   }
 

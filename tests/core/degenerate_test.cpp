@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "tests/support/batches.h"
+#include "tests/support/methods.h"
+#include "tests/support/odd_clouds.h"
+#include "tests/support/projection_comparison.h"
+
+namespace pss::test {
+namespace {
+
+constexpr Support kSupport{1, 3};
+
+bool is_finite(const World3& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+bool is_zero(const World3& v) { return v == World3{0, 0, 0}; }
+
+void expect_defined(const Projection& p, const Method& method) {
+  const bool known = moved(p.status) || p.status == Status::kTooFew ||
+                     p.status == Status::kDegenerate || p.status == Status::kOutOfDomain;
+  EXPECT_TRUE(known);
+  EXPECT_TRUE(is_finite(p.displacement) && is_finite(p.normal) && is_finite(p.principal_direction));
+  EXPECT_TRUE(std::isfinite(p.mean_curvature) && std::isfinite(p.gaussian_curvature));
+  EXPECT_TRUE(std::isfinite(p.residual) && std::isfinite(p.boundary));
+  EXPECT_GE(p.residual, 0);
+  EXPECT_GE(p.boundary, 0);
+  EXPECT_LE(p.boundary, 1 + 1e-5);
+  if (!moved(p.status)) {
+    EXPECT_TRUE(is_zero(p.displacement) && is_zero(p.normal) && is_zero(p.principal_direction));
+    EXPECT_FALSE(p.second_sheet);
+    return;
+  }
+  EXPECT_LT(length(p.displacement), needs_normals(method.op) ? 0.5 : 1.0);
+  EXPECT_NEAR(length(p.normal), 1, 1e-6);
+  if (!is_zero(p.principal_direction) && curvature_gap(p) > 1e-9) {  // below it is rounding
+    EXPECT_NEAR(length(p.principal_direction), 1, 1e-6);
+    EXPECT_TRUE(is_canonical(p.principal_direction));
+  }
+}
+
+struct Group {
+  std::string name;
+  std::vector<OddCloud> (*clouds)();
+};
+
+std::vector<Group> groups() {
+  return {{"few_points", few_points}, {"lines", lines},   {"ties", ties},        {"sheets", sheets},
+          {"bends", bends},           {"crowds", crowds}, {"lattices", lattices}};
+}
+
+class OddNeighbourhoods : public testing::TestWithParam<Group> {};
+INSTANTIATE_TEST_SUITE_P(All, OddNeighbourhoods, testing::ValuesIn(groups()),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST_P(OddNeighbourhoods, HaveADefinedResultThatIsTheSameInAllCompany) {
+  for (const OddCloud& cloud : GetParam().clouds())
+    for (const Method& method : all_methods({1, 3, 4})) {
+      SCOPED_TRACE(cloud.name + ", " + name_of(method));
+      const std::vector<Projection> results =
+          expect_same_in_all_company(cloud.scan, kSupport, method, cloud.queries);
+      for (const Projection& p : results) expect_defined(p, method);
+    }
+}
+
+TEST(AHundredThousandNeighbours, HaveADefinedResult) {
+  for (const OddCloud& cloud : multitudes())
+    for (const Method& method : all_methods({3})) {
+      if (method.weight != WeightKind::kGaussian) continue;
+      SCOPED_TRACE(cloud.name + ", " + name_of(method));
+      expect_defined(ScanProjector(cloud.scan, kSupport, method)(cloud.queries[1]), method);
+    }
+}
+
+}  // namespace
+}  // namespace pss::test
