@@ -50,7 +50,7 @@ struct Tolerance<float> {
   static constexpr float kRounding = 3e-7f;
   static constexpr float kTie = 1e-3f;
   static constexpr float kFarthest = 0.45f;
-  static constexpr float kLeastPivot = 1e-2f;
+  static constexpr float kLeastPivot = 3e-2f;
   static constexpr int kMostPasses = 6;
   static constexpr bool kDecides = false;
   static constexpr float kSettled = 1e-3f;
