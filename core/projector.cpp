@@ -41,8 +41,11 @@ void Projector::project(std::span<const Query> queries, std::span<const Support>
 }
 
 std::size_t Projector::bytes_for(std::size_t ball_points, MlsOperator op) {
-  // Normals fill as many rows and columns as points do, and rimls keeps three more columns.
-  return (needs_normals(op) ? 2560 : 1024) * ball_points;
+  // A slice of candidates in either form, with normals, and the loops' small arrays.
+  constexpr std::size_t kFixed = 80 * simd::kMostCandidates + (std::size_t{1} << 17);
+  // 16 rows and their columns in single, 8 in double: 192 bytes a point each, and a fourth more as
+  // buffers grow. Normals fill as many, and rimls keeps three more columns.
+  return kFixed + (needs_normals(op) ? 2048 : 1024) * ball_points;
 }
 
 }  // namespace pss

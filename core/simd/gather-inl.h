@@ -34,33 +34,42 @@ class RunCandidates {
   RunCandidates(const simd::Batch& batch, simd::Workspace& workspace)
       : batch_(batch), grid_(batch.grid), w_(workspace) {}
 
-  /// Collects all points within `reach` of the box of the queries.
-  void collect(const IndexBox& box, double reach, bool exact) {
+  /// Finds all points within `reach` of the box of the queries; returns how many.
+  std::size_t find(const IndexBox& box, double reach, bool exact) {
     grid_.gather_ranges(box, reach, w_.ranges);
-    count_ = 0;
-    for (const PointRange& range : w_.ranges) count_ += range.end - range.begin;
-    chunks_ = (count_ + kChunk - 1) / kChunk;
+    std::size_t total = 0;
+    for (const PointRange& range : w_.ranges) total += range.end - range.begin;
     anchor_ = box.min;
-    narrow_ = exact && fits(box) && copy(w_.narrow);
+    fits_ = exact && fits(box);
+    next_ = 0;
+    return total;
+  }
+
+  /// Loads the next of them, at most kMostCandidates; false where none are left.
+  bool load() {
+    take_slice();
+    if (count_ == 0) return false;
+    chunks_ = (count_ + kChunk - 1) / kChunk;
+    narrow_ = fits_ && copy(w_.narrow);
     if (!narrow_) copy(w_.wide);
     if (needs_normals(batch_.method.op)) copy_normals();
     w_.touched.reserve(chunks_ + kChunk);
+    return true;
   }
 
-  /// Appends what lies within reach of the query to an empty row, in units of h.
+  /// Appends those within reach of the query to its row, in units of h.
   template <class T>
   void filter(const Seeker& seeker, simd::LaneRow<T>& row) const {
-    row.count = 0;
+    const std::size_t before = row.count;
     const std::size_t touched =
         narrow_ ? touch<float>(w_.narrow, seeker) : touch<double>(w_.wide, seeker);
-    row.reserve(touched * kChunk + kPadding, needs_normals(batch_.method.op));
     if constexpr (sizeof(T) == 8) {
       narrow_ ? filter_doubles(w_.narrow, touched, seeker, row)
               : filter_doubles(w_.wide, touched, seeker, row);
     } else {
       narrow_ ? filter_narrow(touched, seeker, row) : filter_wide(touched, seeker, row);
     }
-    bring_near(seeker, row);
+    bring_near(seeker, before, row);
   }
 
  private:
@@ -74,6 +83,20 @@ class RunCandidates {
     return true;
   }
 
+  /// Moves the next kMostCandidates of the ranges, or what is left, to the slice.
+  void take_slice() {
+    w_.slice.clear();
+    count_ = 0;
+    for (; next_ < w_.ranges.size() && count_ < simd::kMostCandidates; ++next_) {
+      PointRange& range = w_.ranges[next_];
+      const std::size_t end = std::min(range.end, range.begin + simd::kMostCandidates - count_);
+      w_.slice.push_back({range.begin, end});
+      count_ += end - range.begin;
+      range.begin = end;
+      if (range.begin < range.end) break;
+    }
+  }
+
   /// Copies coordinates relative to the anchor; false where one does not fit the type.
   template <class I>
   bool copy(simd::CandidateChunks<I>& to) {
@@ -82,7 +105,7 @@ class RunCandidates {
     const Index3* const points = grid_.points().data();
     std::uint64_t beyond = 0;
     std::size_t k = 0;
-    for (const PointRange& range : w_.ranges)
+    for (const PointRange& range : w_.slice)
       for (std::size_t i = range.begin; i < range.end; ++i, ++k)
         for (std::size_t a = 0; a < 3; ++a) {
           const std::int64_t steps = points[i][a] - anchor_[a];
@@ -122,7 +145,8 @@ class RunCandidates {
     const Lattice& lattice = grid_.lattice();
     const World3& rest = seeker.query.remainder;
     const Vec<T> zero = set(T{0});
-    const Vec<T> limit = set(static_cast<T>(seeker.reach_sq * (1 + 1e-5)));
+    const double per_h = 1 / seeker.h;
+    const Vec<T> limit = set(static_cast<T>(seeker.reach_sq * per_h * per_h * (1 + 1e-5)));
     Id* const out = reinterpret_cast<Id*>(w_.touched.data());
     std::size_t count = 0;
     for (std::size_t c = 0; c < chunks_; c += kLanes<T>) {
@@ -132,13 +156,13 @@ class RunCandidates {
         const auto below = hn::LoadU(di, chunks.low[a].data() + c) - q;
         const auto above = q - hn::LoadU(di, chunks.high[a].data() + c);
         const auto gap = as<T>(hn::Max(below, above));
-        const Vec<T> scale = set(static_cast<T>(lattice.scale[a]));
-        const Vec<T> slack = set(static_cast<T>(std::abs(rest[a])));
+        const Vec<T> scale = set(static_cast<T>(lattice.scale[a] * per_h));
+        const Vec<T> slack = set(static_cast<T>(std::abs(rest[a]) * per_h));
         const Vec<T> distance = hn::Max(gap * scale - slack, zero);
         sum = fma(distance, distance, sum);
       }
       auto mask = sum <= limit;
-      if (c + kLanes < T >> chunks_) mask = hn::And(mask, hn::FirstN(d, chunks_ - c));
+      if (chunks_ < c + kLanes<T>) mask = hn::And(mask, hn::FirstN(d, chunks_ - c));
       const auto ids = hn::Iota(index, static_cast<Id>(c));
       hn::StoreU(compress(ids, hn::RebindMask(index, mask)), index, out + count);
       count += hn::CountTrue(d, mask);
@@ -168,7 +192,7 @@ class RunCandidates {
     for (auto* buffer : {&w_.normal_x, &w_.normal_y, &w_.normal_z})
       buffer->reserve(chunks_ * kChunk);
     std::size_t k = 0;
-    for (const PointRange& range : w_.ranges)
+    for (const PointRange& range : w_.slice)
       for (std::size_t i = range.begin; i < range.end; ++i, ++k) {
         const Normal& n = batch_.normals.values[i];
         w_.normal_x.data()[k] = n[0];
@@ -221,12 +245,10 @@ class RunCandidates {
     const std::int32_t* const px = w_.narrow.x.data();
     const std::int32_t* const py = w_.narrow.y.data();
     const std::int32_t* const pz = w_.narrow.z.data();
-    float* const rx = row.x.data();
-    float* const ry = row.y.data();
-    float* const rz = row.z.data();
-    std::size_t count = 0;
+    std::size_t count = row.count;
     for (std::size_t n = 0; n < touched; ++n) {
       const std::size_t begin = chunk_begin<std::int32_t>(n);
+      row.reserve(count, kChunk + kPadding, normals);
       for (std::size_t k = begin; k < begin + kChunk; k += kLanes<float>) {
         const V x = hn::ConvertTo(d, hn::LoadU(di, px + k) - qx) * sx;
         const V y = hn::ConvertTo(d, hn::LoadU(di, py + k) - qy) * sy;
@@ -239,9 +261,9 @@ class RunCandidates {
           mask = length < surely;
         }
         if (HWY_UNLIKELY(k + kLanes < float >> count_)) mask = hn::And(mask, first(d, k));
-        hn::StoreU(compress(x, mask), d, rx + count);
-        hn::StoreU(compress(y, mask), d, ry + count);
-        hn::StoreU(compress(z, mask), d, rz + count);
+        hn::StoreU(compress(x, mask), d, row.x.data() + count);
+        hn::StoreU(compress(y, mask), d, row.y.data() + count);
+        hn::StoreU(compress(z, mask), d, row.z.data() + count);
         if (normals) keep_normals(d, mask, k, count, row);
         count += hn::CountTrue(d, mask);
       }
@@ -290,9 +312,10 @@ class RunCandidates {
     const V per_h = set(1 / seeker.h);
     const V limit = set(seeker.reach_sq);
     const bool normals = needs_normals(batch_.method.op);
-    std::size_t count = 0;
+    std::size_t count = row.count;
     for (std::size_t n = 0; n < touched; ++n) {
       const std::size_t begin = chunk_begin(n);
+      row.reserve(count, kChunk + kPadding, normals);
       for (std::size_t k = begin; k < begin + kChunk; k += kLanes<double>) {
         const V x = sx * (doubles(chunks.x.data() + k) - qx) - rx;
         const V y = sy * (doubles(chunks.y.data() + k) - qy) - ry;
@@ -351,9 +374,10 @@ class RunCandidates {
       const auto cut = hn::Set(half, static_cast<float>(rest[axis] * per_h));
       return hn::DemoteTo(half, dx) * scale - cut;
     };
-    std::size_t count = 0;
+    std::size_t count = row.count;
     for (std::size_t n = 0; n < touched; ++n) {
       const std::size_t begin = chunk_begin<std::int64_t>(n);
+      row.reserve(count, kChunk + kPadding, normals);
       for (std::size_t k = begin; k < begin + kChunk; k += kLanes<double>) {
         const auto dx = steps(0, k);
         const auto dy = steps(1, k);
@@ -377,11 +401,11 @@ class RunCandidates {
 
   /// Coordinates beyond all weights, which only very wide supports have, stay finite in sums.
   template <class T>
-  static void bring_near(const Seeker& seeker, simd::LaneRow<T>& row) {
+  static void bring_near(const Seeker& seeker, std::size_t first, simd::LaneRow<T>& row) {
     if (seeker.reach_sq <= kFarAway * kFarAway * seeker.h * seeker.h) return;
     const T far = T(kFarAway);
     for (auto* buffer : {&row.x, &row.y, &row.z})
-      for (std::size_t k = 0; k < row.count; ++k)
+      for (std::size_t k = first; k < row.count; ++k)
         buffer->data()[k] = std::clamp(buffer->data()[k], -far, far);
   }
 
@@ -391,7 +415,9 @@ class RunCandidates {
   std::size_t count_ = 0;   // candidates
   std::size_t chunks_ = 0;  // that hold them
   Index3 anchor_{};
-  bool narrow_ = false;
+  std::size_t next_ = 0;  // range that is not loaded whole
+  bool fits_ = false;     // 32 bits hold the queries
+  bool narrow_ = false;   // and the candidates
 };
 
 #if HWY_TARGET == HWY_SCALAR

@@ -38,6 +38,7 @@ class Group {
 
   simd::LaneRow<T>& next_row(std::uint32_t query) {
     rows()[lanes_].query = query;
+    rows()[lanes_].count = 0;
     return rows()[lanes_++];
   }
   bool full() const { return lanes_ == kLanes<T>; }
@@ -184,7 +185,7 @@ class Run {
  public:
   static constexpr std::size_t kMost = 512;
 
-  Run(const simd::Batch& batch, std::span<const std::uint32_t> which) : batch_(batch) {
+  Run(const simd::Batch& batch, std::span<const std::uint32_t> which) : batch_(&batch) {
     for (const std::uint32_t i : which) {
       if (count_ == kMost || !add(i)) break;
       ++count_;
@@ -198,14 +199,14 @@ class Run {
 
  private:
   bool add(std::uint32_t i) {
-    const Query& query = batch_.queries[i];
-    const double wanted = pss::reach(batch_.method.weight, batch_.support(i));
+    const Query& query = batch_->queries[i];
+    const double wanted = pss::reach(batch_->method.weight, batch_->support(i));
     IndexBox box = box_;
     box.add(query.position);
     if (count_ > 0) {
       const double span = 4 * std::min(reach_, wanted);
       for (std::size_t a = 0; a < 3; ++a)
-        if (static_cast<double>(box.max[a] - box.min[a]) * batch_.grid.lattice().scale[a] > span)
+        if (static_cast<double>(box.max[a] - box.min[a]) * batch_->grid.lattice().scale[a] > span)
           return false;
     }
     box_ = box;
@@ -215,12 +216,22 @@ class Run {
     return true;
   }
 
-  const simd::Batch& batch_;
+  const simd::Batch* batch_;
   IndexBox box_;
   double reach_ = 0;
   double rest_ = 0;  // the largest remainder
   std::size_t count_ = 0;
 };
+
+/// The longest run from the front whose candidates are one slice, or one query; finds them.
+Run run_of(const simd::Batch& batch, std::span<const std::uint32_t> which,
+           RunCandidates& candidates) {
+  Run run(batch, which);
+  while (candidates.find(run.box(), run.reach(), run.exact()) > simd::kMostCandidates &&
+         run.count() > 1)
+    run = Run(batch, which.first(run.count() / 2));
+  return run;
+}
 
 template <class T>
 void project_in(const simd::Batch& batch, simd::Search search, std::span<const std::uint32_t> which,
@@ -228,12 +239,15 @@ void project_in(const simd::Batch& batch, simd::Search search, std::span<const s
   Group<T> group(batch, search, workspace, rest);
   RunCandidates candidates(batch, workspace);
   while (!which.empty()) {
-    const Run run(batch, which);
-    candidates.collect(run.box(), run.reach(), run.exact());
+    const Run run = run_of(batch, which, candidates);
+    const bool whole = candidates.load();
     for (const std::uint32_t i : which.first(run.count())) {
       const double reach = pss::reach(batch.method.weight, batch.support(i));
-      candidates.filter<T>({batch.queries[i], batch.support(i).h, reach * reach},
-                           group.next_row(i));
+      const Seeker seeker{batch.queries[i], batch.support(i).h, reach * reach};
+      simd::LaneRow<T>& row = group.next_row(i);
+      if (whole) candidates.filter<T>(seeker, row);
+      // More than one slice only where the run is this query alone.
+      while (run.count() == 1 && candidates.load()) candidates.filter<T>(seeker, row);
       if (group.full()) group.compute();
     }
     which = which.subspan(run.count());

@@ -31,10 +31,12 @@ struct LaneRow {
   std::size_t count = 0;
   std::uint32_t query = 0;
 
-  void reserve(std::size_t size, bool normals) {
-    for (Buffer<T>* buffer : {&x, &y, &z}) buffer->reserve(size);
+  /// Makes room for `more` behind the first `kept`.
+  void reserve(std::size_t kept, std::size_t more, bool normals) {
+    if (kept + more <= x.capacity()) return;
+    for (Buffer<T>* buffer : {&x, &y, &z}) buffer->reserve(kept + more, kept);
     if (!normals) return;
-    for (Buffer<T>* buffer : {&nx, &ny, &nz}) buffer->reserve(size);
+    for (Buffer<T>* buffer : {&nx, &ny, &nz}) buffer->reserve(kept + more, kept);
   }
 
   /// Fills the coordinates from `count` to `size` with a place where no weight is.
@@ -55,6 +57,9 @@ struct LaneRow {
 /// Consecutive candidates that are looked at together: a whole number of vectors in every target.
 inline constexpr std::size_t kChunk = 16;
 
+/// More candidates are looked at one such slice after the other.
+inline constexpr std::size_t kMostCandidates = std::size_t{1} << 15;
+
 /// The candidates of a run of queries in chunks, and the chunks' boxes.
 template <class I>
 struct CandidateChunks {
@@ -72,7 +77,7 @@ struct CandidateChunks {
 struct Workspace {
   static constexpr std::size_t kMostLanes = 16;
 
-  std::vector<PointRange> ranges;
+  std::vector<PointRange> ranges, slice;
   CandidateChunks<std::int32_t> narrow;
   CandidateChunks<double> wide;
   Buffer<std::int64_t> touched;  // chunks that a query looks at

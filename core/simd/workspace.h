@@ -23,6 +23,7 @@ class Buffer {
   void reserve(std::size_t count, std::size_t kept = 0) {
     if (count <= capacity_) return;
     const std::size_t grown = count + count / 4;
+    if (kept == 0) data_.reset();
     std::unique_ptr<T[], Free> larger(
         static_cast<T*>(::operator new (grown * sizeof(T), std::align_val_t{kAlignment})));
     std::copy_n(data_.get(), kept, larger.get());
