@@ -22,7 +22,8 @@ namespace {
 constexpr const char* kEpilogue =
     "Lengths are in the scan's units. A point's neighbours are all points within the support\n"
     "radius R; their Gaussian weight of width h reaches zero there. Without --radius, --h and\n"
-    "--knn, h is twice the spacing that pss measures, and R = 3 h (4 h for order 4).\n"
+    "--knn, h is 2 to 6 times the spacing that pss measures, as its noise and shape ask, and\n"
+    "R = 3 h (4 h for order 4).\n"
     "Operators: levin finds a reference plane by Newton's method and fits a polynomial over it: a\n"
     "true projection (projecting twice changes nothing), smooths edges. fast iterates a weighted\n"
     "plane instead: quicker, the same surface to a small fraction of the spacing. apss fits\n"
@@ -94,7 +95,7 @@ class Smooth : public Command {
     arguments.option("--radius", "R",
                      "Support radius: weights reach zero there [3 h; order 4: 4 h]", widths.radius,
                      parse_positive);
-    arguments.option("--h", "H", "Width of the Gaussian [2 spacings, measured]", widths.h,
+    arguments.option("--h", "H", "Width of the Gaussian [2 to 6 spacings, measured]", widths.h,
                      parse_positive);
     arguments.option("--knn", "K",
                      "Each point owns its radius: the distance to its K-th neighbour, at most "

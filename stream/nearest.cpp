@@ -5,6 +5,8 @@
 #include <queue>
 #include <utility>
 
+#include "stream/distance_filter.h"
+
 namespace pss {
 namespace {
 
@@ -22,6 +24,7 @@ class Nearest {
   double worst_sq() const { return full() ? found_.back().first : HUGE_VAL; }
 
   void add(const Index3& position) {
+    if (full() && surely_farther(lattice_, query_, position, found_.back().first)) return;
     if (position == query_) return;
     const Found entry{distance_sq(lattice_, query_, position), position};
     if (full() && !(entry < found_.back())) return;

@@ -118,11 +118,8 @@ Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
 
 Result<ChosenWidths> SmoothRun::choose(const Store& source) {
   const Stopwatch watch;
-  std::optional<Spacing> spacing;
-  if (needs_spacing(job_.options.widths)) {
-    PSS_ASSIGN(spacing, measure_spacing(source, budget_, monitor_));
-  }
-  ChosenWidths widths = choose_widths(job_.options.widths, spacing);
+  PSS_ASSIGN(ChosenWidths widths, choose_widths(source, job_.options.widths,
+                                                method_of(job_.options), budget_, monitor_));
   report_.spacing_seconds = watch.seconds();
   monitor_.note(widths.why);
   return widths;

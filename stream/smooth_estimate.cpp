@@ -20,6 +20,7 @@ constexpr double kRowWork = 1.2;  ///< loading, compressing and committing, besi
 
 /// Neighbours of a point on a surface of this spacing.
 double usual_neighbours(const ChosenWidths& widths) {
+  if (widths.neighbours > 0) return widths.neighbours;
   if (widths.nearest) {
     const double k = widths.nearest;
     return k * widths.factor * widths.factor;
@@ -41,14 +42,11 @@ void add_times(SmoothEstimate& estimate, double neighbours) {
 
 Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
   PSS_ASSIGN(const Store source, Store::open(job.inputs.front()));
-  std::optional<Spacing> spacing;
-  if (needs_spacing(job.options.widths)) {
-    PSS_ASSIGN(spacing, measure_spacing(source, budget, monitor));
-  }
   SmoothEstimate estimate;
   estimate.method = method_of(job.options);
   estimate.normals = normals_from(source.header().schema, estimate.method);
-  estimate.widths = choose_widths(job.options.widths, spacing);
+  PSS_ASSIGN(estimate.widths,
+             choose_widths(source, job.options.widths, estimate.method, budget, monitor));
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths));
   PSS_TRY(check_buffer(op, job.options));
   PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, op, budget));
@@ -87,7 +85,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   estimate.parts = estimate.tiles;
   estimate.widths = choose_widths(job.options.widths, std::nullopt);
   if (needs_spacing(job.options.widths))
-    estimate.widths.why = "the spacing is measured once the points are sorted";
+    estimate.widths.why = "spacing and noise are measured once the points are sorted";
   // Perimeter over area of a square tile, at the default reach of 7 spacings.
   estimate.halo_share = 4 * 7 / std::sqrt(std::max(1.0, per_tile));
   estimate.peak_memory = peak_from_files(plan.points, schema.row_size(), budget);

@@ -3,41 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "stream/smooth_method.h"
+#include "stream/widths_json.h"
 
 namespace pss {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json spacing_json(const std::optional<Spacing>& spacing) {
-  if (!spacing) return {};
-  return {{"spacing", spacing->spacing},   {"d16_median", spacing->d16},
-          {"d16_p10", spacing->d16_low},   {"d16_p90", spacing->d16_high},
-          {"varying", spacing->varying()}, {"sample", spacing->sample}};
-}
-
-ordered_json widths_json(const ChosenWidths& widths) {
-  return {{"radius", widths.radius}, {"h", widths.h},
-          {"knn", widths.nearest},   {"radius_per_distance", widths.factor},
-          {"cap", widths.cap},       {"typical", widths.typical},
-          {"why", widths.why},       {"spacing", spacing_json(widths.spacing)}};
-}
-
-ChosenWidths widths_from(const ordered_json& j) {
-  ChosenWidths widths;
-  widths.radius = j.value("radius", 0.0);
-  widths.h = j.value("h", 0.0);
-  widths.nearest = j.value("knn", 0);
-  widths.factor = j.value("radius_per_distance", 1.0);
-  widths.cap = j.value("cap", 0.0);
-  widths.typical = j.value("typical", 0.0);
-  widths.why = j.value("why", "");
-  if (const ordered_json s = j.value("spacing", ordered_json()); s.is_object())
-    widths.spacing =
-        Spacing{s.value("spacing", 0.0), s.value("d16_median", 0.0), s.value("d16_p10", 0.0),
-                s.value("d16_p90", 0.0), s.value("sample", std::size_t{0})};
-  return widths;
-}
 
 /// apss and rimls have no polynomial of the user's choice.
 ordered_json method_json(const Method& method) {
@@ -121,7 +92,7 @@ void read_result_summary(const std::string& summary, SmoothReport& report) {
           ingest_summary_from_json(j.value("ingest", ordered_json()).dump()))
     report.ingest = *ingest;
   report.normals = normals_named(j.value("normals", ""));
-  report.widths = widths_from(j.value("widths", ordered_json::object()));
+  report.widths = widths_from_json(j.value("widths", ordered_json::object()));
   report.notes = j.value("notes", std::vector<std::string>());
   report.store_bytes = j.value("store_bytes", std::uint64_t{0});
 }

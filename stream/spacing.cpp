@@ -66,24 +66,9 @@ double quantile(const std::vector<double>& sorted, double q) {
   return sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))];
 }
 
-}  // namespace
-
-double spacing_of_d16(double d16) { return d16 * std::sqrt(std::numbers::pi / kSpacingRank); }
-
-Result<std::optional<Spacing>> measure_spacing(const Store& store, MemoryBudget& budget,
-                                               Monitor& monitor) {
-  monitor.begin("spacing", store.points(), store.tiles().size());
-  PSS_ASSIGN(const Sample sample, choose_sample(store, monitor));
-  const std::vector<Index3> queries = sample.positions();
-  if (queries.size() <= static_cast<std::size_t>(kSpacingRank)) return std::optional<Spacing>();
-
-  NearestSearch search(store, budget);
+Spacing spacing_over(const std::vector<SampledPosition>& points) {
   std::vector<double> distances;
-  for (const Index3& query : queries) {
-    if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
-    PSS_ASSIGN(const std::optional<double> distance, search.kth_distance(query, kSpacingRank));
-    if (distance) distances.push_back(*distance);
-  }
+  for (const SampledPosition& point : points) distances.push_back(point.d16);
   std::sort(distances.begin(), distances.end());
   Spacing spacing;
   spacing.d16 = quantile(distances, 0.5);
@@ -91,7 +76,34 @@ Result<std::optional<Spacing>> measure_spacing(const Store& store, MemoryBudget&
   spacing.d16_high = quantile(distances, 0.9);
   spacing.spacing = spacing_of_d16(spacing.d16);
   spacing.sample = distances.size();
-  return std::optional(spacing);
+  return spacing;
+}
+
+}  // namespace
+
+double spacing_of_d16(double d16) { return d16 * std::sqrt(std::numbers::pi / kSpacingRank); }
+
+Result<SpacingSample> sample_spacing(const Store& store, MemoryBudget& budget, Monitor& monitor) {
+  monitor.begin("spacing", store.points(), store.tiles().size());
+  PSS_ASSIGN(const Sample sample, choose_sample(store, monitor));
+  const std::vector<Index3> queries = sample.positions();
+  SpacingSample result;
+  if (queries.size() <= static_cast<std::size_t>(kSpacingRank)) return result;
+
+  NearestSearch search(store, budget);
+  for (const Index3& query : queries) {
+    if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
+    PSS_ASSIGN(const std::optional<double> distance, search.kth_distance(query, kSpacingRank));
+    if (distance) result.points.push_back({query, *distance});
+  }
+  result.spacing = spacing_over(result.points);
+  return result;
+}
+
+Result<std::optional<Spacing>> measure_spacing(const Store& store, MemoryBudget& budget,
+                                               Monitor& monitor) {
+  PSS_ASSIGN(const SpacingSample sample, sample_spacing(store, budget, monitor));
+  return sample.spacing;
 }
 
 }  // namespace pss

@@ -32,10 +32,25 @@ inline constexpr int kSpacingRank = 16;
 /// The distinct positions of smallest hash that are measured.
 inline constexpr std::size_t kSpacingSample = 4096;
 
-/// Measures the spacing of all points; empty where there are fewer than 17 distinct positions.
+/// A sampled position and the distance to its 16th nearest.
+struct SampledPosition {
+  Index3 position{};
+  double d16 = 0;
+};
+
+/// The spacing and what it was measured on; empty where there are fewer than 17 distinct positions.
+struct SpacingSample {
+  std::optional<Spacing> spacing;
+  std::vector<SampledPosition> points;  ///< in key order
+};
+
+/// Measures the spacing of all points.
 ///
 /// Reads all positions once to choose the sample, then the blocks around each sampled position,
 /// nearest first, until the 16th nearest is certain.
+Result<SpacingSample> sample_spacing(const Store& store, MemoryBudget& budget, Monitor& monitor);
+
+/// The same, where the sample is not of interest.
 Result<std::optional<Spacing>> measure_spacing(const Store& store, MemoryBudget& budget,
                                                Monitor& monitor);
 

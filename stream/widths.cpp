@@ -10,7 +10,6 @@ namespace pss {
 namespace {
 
 constexpr int kMostNearest = 10000;
-constexpr double kWidthsPerSpacing = 2;  ///< h over the spacing, without noise
 constexpr double kCapSpacings = 10;      ///< default cap of a k-th nearest distance
 constexpr double kIsolatedMedians = 16;  ///< a d16 beyond so many medians is isolated
 
@@ -40,27 +39,57 @@ ChosenWidths by_nearest(const WidthOptions& options, const std::optional<Spacing
   return widths;
 }
 
-ChosenWidths by_varying_spacing(const WidthOptions& options, const Spacing& spacing) {
+ChosenWidths by_varying_spacing(const WidthOptions& options, const Spacing& spacing,
+                                const WidthChoice& choice) {
   ChosenWidths widths;
   widths.nearest = kSpacingRank;
-  widths.factor = radius_factor(options.degree) * kWidthsPerSpacing * spacing_of_d16(1);
+  widths.factor = radius_factor(options.degree) * choice.multiple * spacing_of_d16(1);
   widths.cap = kIsolatedMedians * spacing.d16;
   widths.typical = spacing.d16;
   widths.why = fmt::format(
       "the spacing varies ({:.4g} to {:.4g} between its 10th and 90th percentile), so each point's "
-      "h is {} times its own, from its {}. neighbour",
-      spacing_of_d16(spacing.d16_low), spacing_of_d16(spacing.d16_high), kWidthsPerSpacing,
+      "h is {:.3g} times its own, from its {}. neighbour",
+      spacing_of_d16(spacing.d16_low), spacing_of_d16(spacing.d16_high), choice.multiple,
       kSpacingRank);
   return widths;
 }
 
-ChosenWidths by_spacing(const WidthOptions& options, const Spacing& spacing) {
+ChosenWidths by_spacing(const WidthOptions& options, const Spacing& spacing,
+                        const WidthChoice& choice) {
   ChosenWidths widths;
-  widths.h = kWidthsPerSpacing * spacing.spacing;
+  widths.h = choice.multiple * spacing.spacing;
   widths.radius = radius_factor(options.degree) * widths.h;
   widths.why = fmt::format(
-      "h is {} times the measured spacing of {:.4g} ({} sampled positions), radius {} h",
-      kWidthsPerSpacing, spacing.spacing, spacing.sample, radius_factor(options.degree));
+      "h is {:.3g} times the measured spacing of {:.4g} ({} sampled positions), radius {} h",
+      choice.multiple, spacing.spacing, spacing.sample, radius_factor(options.degree));
+  return widths;
+}
+
+/// What was seen of the noise and what that made of the width.
+std::string reasons(const Noise& noise, const WidthChoice& choice) {
+  if (choice.limit == WidthLimit::kNoSurface)
+    return fmt::format("no surface seen within {} spacings: too few points, or they fill a volume",
+                       kWidest);
+  std::string text =
+      noise.first < 0 ? "noise unknown" : fmt::format("noise {:.2g} spacings", noise.sigma);
+  text += fmt::format("; not wider because {}", reason_for(choice.limit));
+  if (choice.limit == WidthLimit::kSheets)
+    text += fmt::format(", {:.2g} spacings away", noise.apart);
+  return text;
+}
+
+ChosenWidths by_measuring(const WidthOptions& options, const Spacing& spacing,
+                          const std::optional<Noise>& noise) {
+  const WidthChoice choice = noise ? choose_width(*noise) : WidthChoice{};
+  ChosenWidths widths = spacing.varying() ? by_varying_spacing(options, spacing, choice)
+                                          : by_spacing(options, spacing, choice);
+  const double radius = radius_factor(options.degree) * choice.multiple;
+  widths.neighbours = std::numbers::pi * radius * radius;
+  if (noise)
+    widths.why += fmt::format("; {}; about {:.0f} neighbours a point", reasons(*noise, choice),
+                              widths.neighbours);
+  widths.noise = noise;
+  widths.choice = choice;
   return widths;
 }
 
@@ -85,7 +114,10 @@ Result<void> check_widths(const WidthOptions& options) {
 
 bool needs_spacing(const WidthOptions& options) { return !options.radius && !options.h; }
 
-ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spacing>& spacing) {
+bool needs_noise(const WidthOptions& options) { return needs_spacing(options) && !options.knn; }
+
+ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spacing>& spacing,
+                           const std::optional<Noise>& noise) {
   ChosenWidths widths;
   if (!needs_spacing(options)) {
     widths = options.knn ? by_nearest(options, spacing) : by_hand(options);
@@ -95,11 +127,21 @@ ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spac
   } else if (options.knn) {
     widths = by_nearest(options, spacing);
   } else {
-    widths =
-        spacing->varying() ? by_varying_spacing(options, *spacing) : by_spacing(options, *spacing);
+    widths = by_measuring(options, *spacing, noise);
   }
   widths.spacing = spacing;
   return widths;
+}
+
+Result<ChosenWidths> choose_widths(const Store& store, const WidthOptions& options,
+                                   const Method& method, MemoryBudget& budget, Monitor& monitor) {
+  if (!needs_spacing(options)) return choose_widths(options, std::nullopt);
+  PSS_ASSIGN(const SpacingSample sample, sample_spacing(store, budget, monitor));
+  std::optional<Noise> noise;
+  if (sample.spacing && needs_noise(options)) {
+    PSS_ASSIGN(noise, measure_noise(store, sample, method, budget, monitor));
+  }
+  return choose_widths(options, sample.spacing, noise);
 }
 
 }  // namespace pss
