@@ -67,6 +67,19 @@ TEST_P(OddNeighbourhoods, HaveADefinedResultThatIsTheSameInAllCompany) {
     }
 }
 
+TEST_P(OddNeighbourhoods, AgreeWithTheReference) {
+  for (const OddCloud& cloud : GetParam().clouds())
+    for (const Method& method : all_methods({3})) {
+      SCOPED_TRACE(cloud.name + ", " + name_of(method));
+      const Query& query = cloud.queries[1];  // off the symmetries, where comparisons would tie
+      Agreement agreement;
+      expect_near(ScanProjector(cloud.scan, kSupport, method)(query),
+                  oracle_at<long double>(cloud.scan, query, kSupport, method), 0.25, 1,
+                  tolerance_of(method), agreement);
+      EXPECT_EQ(agreement.same, 1);
+    }
+}
+
 TEST(AHundredThousandNeighbours, HaveADefinedResult) {
   for (const OddCloud& cloud : multitudes())
     for (const Method& method : all_methods({3})) {

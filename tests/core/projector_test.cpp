@@ -34,14 +34,6 @@ std::vector<Query> places_near(const Scan& scan, double h, std::size_t count) {
   return queries;
 }
 
-/// What rounding leaves; the residual is a difference, about 1e-8 of the heights at best.
-Tolerance tolerance_of(const Method& method) {
-  Tolerance t{1e-11, 1e-10, 1e-9, 4e-9, 1e-8, 1e-11, 0};
-  if (method.precision == Precision::kSingle) t = {1e-4, 1e-4, 2e-3, 1e-2, 5e-4, 1e-4, 2};
-  if (method.op == MlsOperator::kRimls) t.direction = 0.2;  // its normal is not the polynomial's
-  return t;
-}
-
 /// The default radius; the weight of PCL, which does not fall off before it, looks less far.
 Support support_of(const Method& method, double h) {
   const double share = method.weight == WeightKind::kPcl ? 0.6 : 1;

@@ -16,7 +16,7 @@ std::optional<ImplicitStep<Real>> apss_step(const OracleCloud<Real>& cloud, cons
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const Vector<Real> p = cloud.points[i] - x;
     const Vector<Real>& n = cloud.normals[i];
-    const Real w = cloud.weight(cloud.points[i], x).value;
+    const Real w = cloud.oriented_weight(i, x).value;
     w_sum += w;
     p_sum += w * p;
     n_sum += w * n;

@@ -21,7 +21,7 @@ template <class Real>
 void orient(OracleCloud<Real>& cloud) {
   Matrix<Real> spread = Matrix<Real>::Zero();
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
-    spread += cloud.weight(cloud.points[i], Vector<Real>::Zero()).value * cloud.normals[i] *
+    spread += cloud.oriented_weight(i, Vector<Real>::Zero()).value * cloud.normals[i] *
               cloud.normals[i].transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix<Real>> eigen(spread);
   const Vector<Real> main = canonical<Real>(eigen.eigenvectors().col(2));
@@ -31,8 +31,10 @@ void orient(OracleCloud<Real>& cloud) {
 
 template <class Real>
 std::size_t count_weighted(const OracleCloud<Real>& cloud, const Vector<Real>& x) {
-  return static_cast<std::size_t>(std::ranges::count_if(
-      cloud.points, [&](const Vector<Real>& p) { return cloud.weight(p, x).value > 0; }));
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    count += cloud.oriented_weight(i, x).value > 0;
+  return count;
 }
 
 /// The result at the final place: its fit pass, the normal's sign, the curvatures.

@@ -50,7 +50,7 @@ Weight<Real> weight_of(WeightKind kind, Real radius, Real rho_sq) {
 template <class Real>
 struct OracleCloud {
   std::vector<Vector<Real>> points;
-  std::vector<Vector<Real>> normals;  ///< empty, or one a point
+  std::vector<Vector<Real>> normals;  ///< empty, or one a point; zero where it has none
   bool oriented = false;
   WeightKind kind = WeightKind::kGaussian;
   Real h = 1;       ///< in the scan's units
@@ -58,6 +58,11 @@ struct OracleCloud {
 
   Weight<Real> weight(const Vector<Real>& p, const Vector<Real>& q) const {
     return weight_of<Real>(kind, radius, (p - q).squaredNorm());
+  }
+
+  /// The weight of point i where normals count: none without a normal.
+  Weight<Real> oriented_weight(std::size_t i, const Vector<Real>& q) const {
+    return normals[i].isZero(0) ? Weight<Real>{} : weight(points[i], q);
   }
 };
 
@@ -67,7 +72,7 @@ struct OracleNormals {
   bool oriented = false;
 };
 
-/// The points that the query may see, in units of h; points without a normal are as if absent.
+/// The points that the query may see, in units of h.
 template <class Real>
 OracleCloud<Real> oracle_cloud(std::span<const World3> offsets, const Support& support,
                                WeightKind kind, const OracleNormals& normals = {}) {
@@ -82,7 +87,6 @@ OracleCloud<Real> oracle_cloud(std::span<const World3> offsets, const Support& s
     if (!(p.norm() < Real{reach(kind, support)})) continue;
     if (!normals.values.empty()) {
       const auto& [nx, ny, nz] = normals.values[i];
-      if (nx == 0 && ny == 0 && nz == 0) continue;
       cloud.normals.push_back(Vector<Real>(nx, ny, nz));
     }
     cloud.points.push_back(p / cloud.h);

@@ -41,6 +41,14 @@ struct Tolerance {
   std::uint32_t neighbours = 0;
 };
 
+/// What rounding leaves; the residual is a difference, about 1e-8 of the heights at best.
+inline Tolerance tolerance_of(const Method& method) {
+  Tolerance t{1e-11, 1e-10, 1e-9, 4e-9, 4e-8, 1e-11, 0};
+  if (method.precision == Precision::kSingle) t = {1e-4, 1e-4, 2e-3, 1e-2, 5e-4, 1e-4, 2};
+  if (method.op == MlsOperator::kRimls) t.direction = 0.2;  // its normal is not the polynomial's
+  return t;
+}
+
 /// What became of places that were projected twice.
 struct Agreement {
   int same = 0;         ///< one status, one foot

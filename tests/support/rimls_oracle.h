@@ -25,7 +25,7 @@ std::optional<ImplicitStep<Real>> rimls_step(const OracleCloud<Real>& cloud,
     for (std::size_t i = 0; i < cloud.points.size(); ++i) {
       const Vector<Real>& n = cloud.normals[i];
       const Vector<Real> to_x = x - cloud.points[i];
-      const Weight<Real> w = cloud.weight(cloud.points[i], x);
+      const Weight<Real> w = cloud.oriented_weight(i, x);
       const Real fi = n.dot(to_x);
       const Real off = (fi - f) / sigma_r;
       const Real turned = (n - grad).norm() / sigma_n;
