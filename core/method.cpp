@@ -32,4 +32,8 @@ const char* name_of(Precision precision) {
   return precision == Precision::kDouble ? "double" : "single";
 }
 
+Method normals_method(const Method& method) {
+  return {MlsOperator::kLevin, method.weight, method.precision, kNormalsDegree};
+}
+
 }  // namespace pss

@@ -50,4 +50,11 @@ constexpr bool needs_normals(MlsOperator op) {
   return op == MlsOperator::kApss || op == MlsOperator::kRimls;
 }
 
+/// The degree of the fit that describes a surface found by apss or rimls, and of the one that gives
+/// them normals: a plane's noise, without a plane's bias where the surface bends.
+inline constexpr int kNormalsDegree = 2;
+
+/// The projection that gives points the normals that `method` needs, where they have none.
+Method normals_method(const Method& method);
+
 }  // namespace pss

@@ -14,9 +14,6 @@ constexpr int kMostNearest = 10000;
 constexpr double kWidthsPerSpacing = 2;  ///< h over the spacing, without noise
 constexpr double kCapSpacings = 10;      ///< default cap of the distance to a k-th neighbour
 
-/// Of the fit that gives normals: a plane's noise, without a plane's bias where the surface bends.
-constexpr int kNormalsDegree = 2;
-
 /// The default radius over h.
 double factor_of(const Method& method) {
   return radius_factor(needs_normals(method.op) ? kNormalsDegree : method.degree);
@@ -56,10 +53,6 @@ Result<void> check_options(const MlsOptions& options) {
     return usage(fmt::format("degree: found {}, expected 0 to 4", options.method.degree));
   if (options.lattice) PSS_TRY(check_lattice(*options.lattice));
   return check_widths(options);
-}
-
-Method method_for_normals(const Method& method) {
-  return {MlsOperator::kLevin, method.weight, method.precision, kNormalsDegree};
 }
 
 Support support_of_radius(double radius, const Method& method) {

@@ -40,9 +40,6 @@ Result<void> check_options(const MlsOptions& options);
 /// Requires: checked options.
 MlsWidths choose_widths(const MlsOptions& options, const SortedCloud& cloud);
 
-/// The projection that gives the points the normals that `method` needs, where there are none.
-Method method_for_normals(const Method& method);
-
 /// The support of a query whose radius is given.
 Support support_of_radius(double radius, const Method& method);
 

@@ -49,7 +49,7 @@ Result<MlsSurface> MlsSurface::create(std::span<const World3> points, const MlsO
   PSS_ASSIGN(SortedCloud cloud, sort_cloud(points, normals.values, options.lattice));
   const MlsWidths widths = choose_widths(options, cloud);
   if (needs_normals(options.method.op) && cloud.normals.empty())
-    cloud = with_normals(std::move(cloud), method_for_normals(options.method), widths);
+    cloud = with_normals(std::move(cloud), normals_method(options.method), widths);
   const bool oriented = normals.oriented && !normals.values.empty();
   return MlsSurface(std::move(cloud), oriented, options.method, widths);
 }

@@ -1,8 +1,9 @@
 #include "stream/normals.h"
 
 #include <cassert>
-#include <cmath>
 #include <vector>
+
+#include "core/sorted_cloud.h"
 
 namespace pss {
 namespace {
@@ -21,15 +22,6 @@ bool can_hold_components(const Field& field) {
 
 Dimension as_dimension(const Field& field) {
   return {field.name, field.type, 1, field.scale, field.offset, 0, 0, 0};
-}
-
-/// Of length one; zero for what has no direction.
-Normal unit(const World3& v) {
-  const double length_sq = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  if (!std::isnormal(length_sq)) return {0, 0, 0};
-  const double length = std::sqrt(length_sq);
-  return {static_cast<float>(v[0] / length), static_cast<float>(v[1] / length),
-          static_cast<float>(v[2] / length)};
 }
 
 }  // namespace
@@ -84,7 +76,7 @@ Result<void> NormalColumns::read(const Store& store, const TileInfo& tile, const
     for (std::size_t i = 0; i < block.count; ++i)
       components[i][a] = read_value(dimension, &values[i * field.size()]);
   }
-  for (std::size_t i = 0; i < block.count; ++i) out[i] = unit(components[i]);
+  for (std::size_t i = 0; i < block.count; ++i) out[i] = unit_normal(components[i]);
   return {};
 }
 
