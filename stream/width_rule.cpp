@@ -154,7 +154,7 @@ const char* word_for(WidthLimit limit) {
 const char* reason_for(WidthLimit limit) {
   switch (limit) {
     case WidthLimit::kNone:
-      return "none is ever wider";
+      return "none wider is chosen";
     case WidthLimit::kNoise:
       return "so little noise is not worth more neighbours";
     case WidthLimit::kShape:

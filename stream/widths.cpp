@@ -72,6 +72,7 @@ std::string reasons(const Noise& noise, const WidthChoice& choice) {
                        kWidest);
   std::string text =
       noise.first < 0 ? "noise unknown" : fmt::format("noise {:.2g} spacings", noise.sigma);
+  if (choice.limit == WidthLimit::kNone) return text + "; the widest that is chosen";
   text += fmt::format("; not wider because {}", reason_for(choice.limit));
   if (choice.limit == WidthLimit::kSheets)
     text += fmt::format(", {:.2g} spacings away", noise.apart);

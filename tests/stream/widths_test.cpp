@@ -161,7 +161,7 @@ TEST(Widths, SayWhatWasChosenWhyAndWhatItCosts) {
 
   EXPECT_NEAR(widths.neighbours,
               std::numbers::pi * std::pow(widths.radius / widths.spacing->spacing, 2), 1e-6);
-  for (const char* word : {"spacing", "noise 0.29", "not wider because", "1018 neighbours"})
+  for (const char* word : {"spacing", "noise 0.29", "the widest", "1018 neighbours"})
     EXPECT_NE(widths.why.find(word), std::string::npos) << word << ": " << widths.why;
 }
 
