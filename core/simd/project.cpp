@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "core/simd/targets.h"
+
 // Without fused multiply-add a target would need other roundings than the rest.
 #define HWY_DISABLED_TARGETS \
   (HWY_SSE4 | HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
@@ -276,6 +278,23 @@ void project(const Batch& batch, Precision precision, Search search,
              std::span<const std::uint32_t> which, Workspace& workspace,
              std::vector<std::uint32_t>& rest) {
   HWY_DYNAMIC_DISPATCH(pss::project)(batch, precision, search, which, workspace, rest);
+}
+
+std::vector<Target> targets() {
+  std::vector<Target> found;
+  for (const std::int64_t bit : hwy::SupportedAndGeneratedTargets())
+    found.push_back({hwy::TargetName(bit), bit});
+  return found;
+}
+
+ForcedTarget::ForcedTarget(const Target& target) {
+  hwy::SetSupportedTargetsForTest(target.bit);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+ForcedTarget::~ForcedTarget() {
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 }  // namespace simd

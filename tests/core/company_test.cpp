@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/simd/targets.h"
 #include "tests/support/batches.h"
 #include "tests/support/methods.h"
 #include "tests/support/scan.h"
@@ -51,6 +52,21 @@ TEST_P(Company, OfOtherQueriesAndPointsBeyondTheReachChangesNoBit) {
   if (!needs_normals(GetParam().op)) return;
   scan.oriented = false;
   expect_same_in_all_company(scan, support, GetParam(), queries);
+}
+
+TEST_P(Company, OfMoreOrFewerLanesChangesNoBit) {
+  Scan scan = cluttered_torus();
+  const Support support{2 * kSpacing, 6 * kSpacing};
+  const std::vector<Query> queries = queries_of(scan, 60);
+  for (const bool oriented : {true, false}) {
+    scan.oriented = oriented;
+    const std::vector<Projection> widest = ScanProjector(scan, support, GetParam())(queries);
+    for (const simd::Target& target : simd::targets()) {
+      const simd::ForcedTarget forced(target);
+      EXPECT_EQ(count_different(ScanProjector(scan, support, GetParam())(queries), widest), 0u)
+          << target.name;
+    }
+  }
 }
 
 TEST_P(Company, OfQueriesThatLookFartherChangesNoBit) {

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "core/simd/targets.h"
 #include "tests/support/batches.h"
 #include "tests/support/methods.h"
 #include "tests/support/odd_clouds.h"
@@ -64,6 +65,19 @@ TEST_P(OddNeighbourhoods, HaveADefinedResultThatIsTheSameInAllCompany) {
       const std::vector<Projection> results =
           expect_same_in_all_company(cloud.scan, kSupport, method, cloud.queries);
       for (const Projection& p : results) expect_defined(p, method);
+    }
+}
+
+TEST_P(OddNeighbourhoods, HaveTheSameBitsInEveryTarget) {
+  for (const OddCloud& cloud : GetParam().clouds())
+    for (const Method& method : all_methods()) {
+      SCOPED_TRACE(cloud.name + ", " + name_of(method));
+      const auto widest = ScanProjector(cloud.scan, kSupport, method)(cloud.queries);
+      for (const simd::Target& target : simd::targets()) {
+        const simd::ForcedTarget forced(target);
+        const auto results = ScanProjector(cloud.scan, kSupport, method)(cloud.queries);
+        EXPECT_EQ(count_different(results, widest), 0u) << target.name;
+      }
     }
 }
 

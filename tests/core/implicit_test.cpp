@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <array>
 #include <cmath>
@@ -7,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/simd/targets.h"
 #include "tests/support/methods.h"
 #include "tests/support/scan.h"
 
@@ -165,11 +165,10 @@ TEST(ImplicitOperators, GiveTheSameBitsInEveryTargetAndBatch) {
       for (const std::size_t batch : {1u, 2u, 3u, 17u})
         EXPECT_EQ(differing(expected, project_all(scan, support, method, queries, oriented, batch)),
                   0u);
-      for (const std::int64_t target : {HWY_AVX2, HWY_AVX3, HWY_EMU128}) {
-        hwy::SetSupportedTargetsForTest(target | HWY_EMU128);
+      for (const simd::Target& target : simd::targets()) {
+        const simd::ForcedTarget forced(target);
         const auto results = project_all(scan, support, method, queries, oriented);
-        hwy::SetSupportedTargetsForTest(0);
-        EXPECT_EQ(differing(expected, results), 0u) << target;
+        EXPECT_EQ(differing(expected, results), 0u) << target.name;
       }
     }
   }
