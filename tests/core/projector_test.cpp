@@ -67,5 +67,28 @@ TEST_P(ProjectorOn, AnAnalyticSurfaceAgreesWithTheReferenceByEveryMethod) {
   }
 }
 
+TEST(Fast, GivesTheSurfaceOfLevin) {
+  const double s = 0.03;
+  const auto apart = [&](double noise, int degree) {  // root mean square, in spacings
+    const Scan scan = scan_of(Torus{1, 0.4}, s, noise * s);
+    const Support support{2 * s, radius_factor(degree) * 2 * s};
+    const std::vector<Query> queries = some_queries(scan, 400);
+    Method fast = levin(degree);
+    fast.op = MlsOperator::kFast;
+    const std::vector<Projection> a = ScanProjector(scan, support, levin(degree))(queries);
+    const std::vector<Projection> b = ScanProjector(scan, support, fast)(queries);
+    double square = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      const World3 d = a[i].displacement - b[i].displacement;
+      square += dot(d, d) / (s * s);
+    }
+    return std::sqrt(square / static_cast<double>(a.size()));
+  };
+  for (const int degree : {2, 3, 4}) {
+    EXPECT_LT(apart(0, degree), 1e-6);
+    EXPECT_LT(apart(0.2, degree), 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace pss::test
