@@ -128,7 +128,8 @@ class Smooth : public Command {
                      "[gaussian]",
                      weight_);
     arguments.choice("--precision", names_of(kPrecisions),
-                     "Of the computation; single redoes in double what needs it [double]",
+                     "Of the computation; single redoes in double what needs it [single; order 4: "
+                     "double]",
                      precision_);
   }
 
