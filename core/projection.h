@@ -42,8 +42,9 @@ struct Projection {
   double boundary = 0;  ///< |weighted mean - q| / weighted rms distance: 0 inside, 0.56 on an edge
 };
 
-/// Projects the point at offset zero, with every safeguard of docs/algorithm.md: `levin` or `fast`
-/// in double precision, one point after the other. What Projector does where lanes cannot.
+/// Projects the point at offset zero: `levin` or `fast` in double precision, one point after the
+/// other, as docs/algorithm.md reads. The plain form that the kernels behind Projector are checked
+/// against; jobs do not use it.
 ///
 /// Shape:    `neighbours` are the offsets of all points within reach(), in key order.
 /// Units:    the scan's; curvature 1/length.
