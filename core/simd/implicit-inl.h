@@ -173,7 +173,7 @@ HWY_INLINE Outcomes<T> describe(const Walk<T>& walk, MlsOperator op, bool orient
   keep(o, Outcomes<T>::kMove, walk.place);
   keep(o, Outcomes<T>::kNormal, axes.n);
   if (op == MlsOperator::kRimls) {
-    keep_curvatures<T>(map, axes, never, o);
+    keep_curvatures<T>(map, axes, true, never, o);
   } else {
     const V mean = walk.mean_curvature;
     store(hn::IfThenElse(flip, hn::Neg(mean), mean), o.value[Outcomes<T>::kMean]);

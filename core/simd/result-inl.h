@@ -78,12 +78,13 @@ HWY_INLINE void keep(Outcomes<T>& o, int field, const Vec3<Vec<T>>& v) {
 }
 
 /// Curvatures of z = g(x, y) at the origin and the direction of the larger one, by the normal's
-/// final sign: the side of the axes' n, or the other where it flips.
+/// final sign: the side of the axes' n, or the other where it flips. The direction is tangent to
+/// the polynomial, or lies in the axes' plane where the normal is not the polynomial's.
 ///
 /// Source: any text on differential geometry, e.g. do Carmo 1976, section 3-3.
 template <class T>
-HWY_INLINE void keep_curvatures(const Maps<T>& map, const Axes<Vec<T>>& axes, Mask<T> flip,
-                                Outcomes<T>& o) {
+HWY_INLINE void keep_curvatures(const Maps<T>& map, const Axes<Vec<T>>& axes, bool in_plane,
+                                Mask<T> flip, Outcomes<T>& o) {
   using V = Vec<T>;
   const V zero = set(T{0});
   const V one = set(T{1});
@@ -110,11 +111,11 @@ HWY_INLINE void keep_curvatures(const Maps<T>& map, const Axes<Vec<T>>& axes, Ma
   const auto first = fma(a0, a0, b0 * b0) >= fma(b0, b0, b1 * b1);
   const V a = hn::Neg(hn::IfThenElse(first, b0, b1));
   const V b = hn::IfThenElse(first, a0, b0);
-  const V c = fma(a, gu, b * gv);
+  const V c = in_plane ? zero : fma(a, gu, b * gv);
   const Vec3<V> tangent = a * axes.u + b * axes.v + c * axes.n;
   const V length_sq = dot(tangent, tangent);
   constexpr T kRound = sizeof(T) == 4 ? T(1e-6) : T(1e-12);
-  const auto known = hn::And(spread_sq > set(kRound) * mean * mean, length_sq > zero);
+  const auto known = hn::And(spread_sq > set(kRound) * mean * mean, length_sq > set(T(1e-30)));
   const V per_length =
       hn::IfThenElseZero(known, one / hn::Sqrt(hn::IfThenElse(known, length_sq, one)));
   const Vec3<V> direction = per_length * tangent;
@@ -138,7 +139,7 @@ HWY_INLINE void keep_shape(const Maps<T>& map, const Axes<Vec<T>>& axes, Outcome
   const Vec3<V> normal = per_root * up;
   const auto flip = hn::Not(is_canonical(normal));
   keep(o, Outcomes<T>::kNormal, negated_where(flip, normal));
-  keep_curvatures<T>(map, axes, flip, o);
+  keep_curvatures<T>(map, axes, false, flip, o);
 }
 
 /// What the fit tells of the neighbourhood, wherever the point goes.

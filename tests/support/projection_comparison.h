@@ -45,7 +45,6 @@ struct Tolerance {
 inline Tolerance tolerance_of(const Method& method) {
   Tolerance t{1e-11, 1e-10, 1e-9, 4e-9, 4e-8, 1e-11, 0};
   if (method.precision == Precision::kSingle) t = {1e-4, 1e-4, 2e-3, 1e-2, 5e-4, 1e-4, 2};
-  if (method.op == MlsOperator::kRimls) t.direction = 0.2;  // its normal is not the polynomial's
   return t;
 }
 
