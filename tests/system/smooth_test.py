@@ -248,7 +248,7 @@ class Words(SystemTest):
 
     def test_another_method_is_another_job(self):
         self.ok("smooth", self.scan, "-o", self.out)
-        for words in (["--operator", "fast"], ["--weight", "pcl"], ["--precision", "single"]):
+        for words in (["--operator", "fast"], ["--weight", "pcl"], ["--precision", "double"]):
             self.refused(FAILED, "smooth", self.scan, "-o", self.out, *words, says=["exists"])
 
     def test_an_identical_finished_job_is_already_complete(self):
