@@ -12,6 +12,7 @@
 #include "stream/scheduler.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/cloud.h"
+#include "tests/support/methods.h"
 #include "tests/support/test_data.h"
 
 namespace pss {
@@ -101,7 +102,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Method{MlsOperator::kApss, WeightKind::kWendland, Precision::kSingle},
                     Method{MlsOperator::kFast, WeightKind::kPcl},
                     Method{MlsOperator::kFast, WeightKind::kGaussian, Precision::kSingle},
-                    Method{MlsOperator::kLevin, WeightKind::kWendland, Precision::kDouble, 4}));
+                    Method{MlsOperator::kLevin, WeightKind::kWendland, Precision::kDouble, 4}),
+    method_name);
 
 TEST_P(LibraryAndTiles, GiveTheSamePlacesForTheSameWidth) {
   const Cloud cloud = wave();

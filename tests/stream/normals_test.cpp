@@ -170,7 +170,8 @@ TEST_P(NormalsChain, LeavesNormalsInTheResultOnlyWhereTheyAreAskedFor) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Operators, NormalsChain,
-                         testing::Values(MlsOperator::kApss, MlsOperator::kRimls));
+                         testing::Values(MlsOperator::kApss, MlsOperator::kRimls),
+                         [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 }  // namespace
 }  // namespace pss::test
