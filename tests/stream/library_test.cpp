@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Method{MlsOperator::kFast, WeightKind::kPcl},
                     Method{MlsOperator::kFast, WeightKind::kGaussian, Precision::kSingle},
                     Method{MlsOperator::kLevin, WeightKind::kWendland, Precision::kDouble, 4}),
-    method_name);
+    test::method_name);
 
 TEST_P(LibraryAndTiles, GiveTheSamePlacesForTheSameWidth) {
   const Cloud cloud = wave();
