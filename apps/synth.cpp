@@ -55,6 +55,7 @@ class Synth : public Command {
 
   Result<void> run() override {
     PSS_ASSIGN(options_.surface, make_surface(shape_, sizes_));
+    options_.time = !no_time_;
     options_.order = order_ == "sweep" ? SynthOrder::kSweep : SynthOrder::kScattered;
     PSS_TRY(check(options_));
     if (output_.empty() == measured_.empty())
@@ -90,6 +91,7 @@ class Synth : public Command {
     arguments.choice("--order", {"scattered", "sweep"},
                      "Consecutive records lie far apart, or along a moving front [scattered]",
                      order_);
+    arguments.flag("--no-time", "Leave GpsTime out: LAS records of 20 bytes", no_time_);
     arguments.flag("--truth", "Add TrueX, TrueY, TrueZ and TrueDistance to every point",
                    options_.truth);
   }
@@ -117,6 +119,7 @@ class Synth : public Command {
   std::vector<double> sizes_;
   std::string order_ = "scattered";
   SynthOptions options_;
+  bool no_time_ = false;
   bool json_ = false;
   bool overwrite_ = false;
   int threads_ = 0;

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/sin_cos.h"
+
 namespace pss {
 namespace {
 
@@ -110,6 +112,16 @@ double sin(double x) {
 double cos(double x) {
   const Reduced r = reduce(x);
   return sin_in_quarter(r, r.quarter + 1);
+}
+
+SinCos sin_cos(double x) {
+  const Reduced r = reduce(x);
+  const double s = sin_kernel(r.high, r.low);
+  const double c = cos_kernel(r.high, r.low);
+  const bool odd = r.quarter & 1;
+  const double sine = odd ? c : s;
+  const double cosine = odd ? s : c;
+  return {r.quarter & 2 ? -sine : sine, (r.quarter + 1) & 2 ? -cosine : cosine};
 }
 
 }  // namespace pss

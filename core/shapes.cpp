@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math.h"
+#include "core/sin_cos.h"
 
 namespace pss {
 namespace {
@@ -26,11 +26,9 @@ double angle_of(double fraction) { return 2 * kPi * (fraction < 0.5 ? fraction :
 SurfacePoint sample(const Torus& torus, double u, double v) {
   const double around = angle_of(u);
   const double tube = solve_kepler(angle_of(v), torus.minor / torus.major);
-  const double c = cos(tube);
+  const auto [z, c] = sin_cos(tube);
+  const auto [y, x] = sin_cos(around);
   const double ring = torus.major + torus.minor * c;
-  const double x = cos(around);
-  const double y = sin(around);
-  const double z = sin(tube);
   return {{ring * x, ring * y, torus.minor * z}, {c * x, c * y, z}};
 }
 
@@ -38,7 +36,8 @@ SurfacePoint sample(const Sphere& sphere, double u, double v) {
   const double around = angle_of(u);
   const double z = 1 - 2 * v;
   const double ring = 2 * std::sqrt(v * (1 - v));
-  const World3 n{ring * cos(around), ring * sin(around), z};
+  const auto [y, x] = sin_cos(around);
+  const World3 n{ring * x, ring * y, z};
   return {{sphere.radius * n[0], sphere.radius * n[1], sphere.radius * n[2]}, n};
 }
 
@@ -122,7 +121,8 @@ double solve_kepler(double m, double e) {
   const double target = std::abs(m);
   double x = target / (1 + e);
   for (int step = 0; step < kMaxSteps; ++step) {
-    const double change = (target - x - e * sin(x)) / (1 + e * cos(x));
+    const auto [s, c] = sin_cos(x);
+    const double change = (target - x - e * s) / (1 + e * c);
     x += change;
     if (!(std::abs(change) > 1e-8)) break;  // squared by the step just taken
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/math.h"
+#include "core/sin_cos.h"
 
 namespace pss {
 namespace {
@@ -35,8 +35,9 @@ Height unit_height(double x, double y) {
     const double ky = kTwoPi * wave.y;
     const double turns = wave.x * x + wave.y * y;
     const double angle = kTwoPi * (turns - std::floor(turns)) + wave.phase;
-    const double s = wave.amplitude * sin(angle);
-    const double c = wave.amplitude * cos(angle);
+    const auto [sine, cosine] = sin_cos(angle);
+    const double s = wave.amplitude * sine;
+    const double c = wave.amplitude * cosine;
     h.z += s;
     h.x += kx * c;
     h.y += ky * c;

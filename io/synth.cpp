@@ -48,7 +48,8 @@ WorldBox noisy_bounds(const SynthOptions& options) {
 }
 
 Schema synth_schema(const SynthOptions& options) {
-  Schema schema = las_standard_schema(options.points > kLargestLegacyCount ? 6 : 1);
+  const std::uint8_t legacy = options.time ? 1 : 0;
+  Schema schema = las_standard_schema(options.points > kLargestLegacyCount ? 6 : legacy);
   if (!options.truth) return schema;
   for (const char* name : {"TrueX", "TrueY", "TrueZ", "TrueDistance"})
     schema.add({name, Type::kFloat64, 1, 1, 0, {}});
@@ -82,11 +83,12 @@ void SynthReader::make_header() {
 
 void SynthReader::make_template_row() {
   const Schema& schema = header_.schema;
-  const auto position = [&](std::string_view name) {
+  const auto position = [&](std::string_view name) -> std::optional<std::size_t> {
     const auto dimension = schema.dimension(name);
-    return dimension ? dimension->position : 0;
+    if (!dimension) return std::nullopt;
+    return dimension->position;
   };
-  columns_ = {position("Intensity"), position("PointSourceId"), position("GpsTime"),
+  columns_ = {*position("Intensity"), *position("PointSourceId"), position("GpsTime"),
               position("TrueX")};
   row_.assign(schema.row_size(), std::byte{0});
   const bool ground = std::holds_alternative<Terrain>(options_.surface);
@@ -151,11 +153,11 @@ void SynthReader::fill_row(std::uint64_t record, const World3& place, double dis
   store_le(out, columns_.intensity,
            static_cast<std::uint16_t>(random_bits(options_.seed + kIntensityStream, record) >> 48));
   store_le(out, columns_.source, scan);
-  store_le(out, columns_.time, kSecondsPerRecord * static_cast<double>(record));
-  if (!options_.truth) return;
+  if (columns_.time) store_le(out, *columns_.time, kSecondsPerRecord * static_cast<double>(record));
+  if (!columns_.truth) return;
   for (std::size_t a = 0; a < 3; ++a)
-    store_le(out, columns_.truth + 8 * a, options_.offset[a] + place[a]);
-  store_le(out, columns_.truth + 24, distance);
+    store_le(out, *columns_.truth + 8 * a, options_.offset[a] + place[a]);
+  store_le(out, *columns_.truth + 24, distance);
 }
 
 }  // namespace pss

@@ -2,6 +2,7 @@
 // Reads a scan that is in no file: noisy samples of a known surface, made when asked for.
 
 #include <memory>
+#include <optional>
 
 #include "io/reader.h"
 #include "io/synth_options.h"
@@ -11,8 +12,8 @@ namespace pss {
 
 /// A scan whose every record is a function of the options and the record's number.
 ///
-/// Records carry what LAS point format 1 carries (6 above 2^32 - 1 points); PointSourceId is the
-/// scan from 1 on, GpsTime counts microseconds.
+/// Records carry what LAS point format 1 carries (0 without time, 6 above 2^32 - 1 points);
+/// PointSourceId is the scan from 1 on, GpsTime counts microseconds.
 class SynthReader final : public Reader {
  public:
   /// Errors: kUsage, as check(options) gives.
@@ -26,7 +27,8 @@ class SynthReader final : public Reader {
  private:
   /// Where the attributes lie in a row.
   struct Columns {
-    std::size_t intensity, source, time, truth;
+    std::size_t intensity = 0, source = 0;
+    std::optional<std::size_t> time, truth;
   };
 
   explicit SynthReader(const SynthOptions& options);

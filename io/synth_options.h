@@ -30,6 +30,7 @@ struct SynthOptions {
   World3 offset{0, 0, 0};            ///< added to all coordinates
   std::uint64_t seed = 1;
   std::optional<double> scale;  ///< the step of the positions; default_scale() where not given
+  bool time = true;             ///< GpsTime, without which a LAS record has 20 bytes
   bool truth = false;           ///< adds TrueX TrueY TrueZ (before noise) and TrueDistance
   SynthOrder order = SynthOrder::kScattered;
 };

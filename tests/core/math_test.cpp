@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/sin_cos.h"
+
 namespace pss::test {
 namespace {
 
@@ -71,6 +73,15 @@ TEST(SinCos, AreWithinTwoUlpOfTheLibrary) {
   for (const double range : {1e-3, 1.0, 7.0, 100.0, 1.5e6}) {
     EXPECT_LE(worst(kSin, kLibSin, -range, range, 100000), 2) << range;
     EXPECT_LE(worst(kCos, kLibCos, -range, range, 100000), 2) << range;
+  }
+}
+
+TEST(SinCos, TogetherGiveTheSameBitsAsApart) {
+  for (int k = -200000; k <= 200000; ++k) {
+    const double x = k * 1.0e-4 + k * 3.7e-9;
+    const auto [sine, cosine] = sin_cos(x);
+    ASSERT_EQ(sine, pss::sin(x)) << x;
+    ASSERT_EQ(cosine, pss::cos(x)) << x;
   }
 }
 

@@ -149,6 +149,25 @@ TEST(SynthReader, FillsTheAttributesOfARecord) {
   for (std::size_t i = 1; i < 1001; ++i) EXPECT_GT(value("GpsTime", i), value("GpsTime", i - 1));
 }
 
+TEST(SynthReader, LeavesTimeOutAndNothingElseWhenAsked) {
+  SynthOptions options = rich_options();
+  const PointBatch timed = read_all(options);
+  const std::size_t row = SynthReader::create(options).value()->header().schema.row_size();
+  options.time = false;
+  const PointBatch bare = read_all(options);
+
+  EXPECT_EQ(bare.index, timed.index);
+  ASSERT_EQ(bare.rows.size(), timed.rows.size() - 8 * bare.size());
+  constexpr std::size_t kBeforeTime = 8;
+  for (std::size_t i = 0; i < bare.size(); ++i) {
+    const auto with = timed.rows.begin() + static_cast<std::ptrdiff_t>(i * row);
+    const auto without = bare.rows.begin() + static_cast<std::ptrdiff_t>(i * (row - 8));
+    ASSERT_TRUE(std::equal(without, without + kBeforeTime, with));
+    ASSERT_TRUE(std::equal(without + kBeforeTime, without + static_cast<std::ptrdiff_t>(row - 8),
+                           with + kBeforeTime + 8));
+  }
+}
+
 TEST(SynthReader, WithoutNoiseEveryPointIsOnTheSurfaceToTheRounding) {
   for (const Surface& surface :
        {Surface(Torus{}), Surface(Sphere{}), Surface(Plane{10, 20, 0.1, 0}), Surface(Terrain())}) {
