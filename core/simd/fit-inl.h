@@ -186,7 +186,7 @@ constexpr Monomial monomial(int k) {
 
 /// Solves the normal equations as L D L^T, of the highest degree that the pivots allow.
 template <int kDegree, class T>
-HWY_INLINE Maps<T> solve(const Moments<T, kDegree>& m) {
+HWY_NOINLINE Maps<T> solve(const Moments<T, kDegree>& m) {
   using V = Vec<T>;
   constexpr int kCount = static_cast<int>(coefficient_count(kDegree));
   const V zero = set(T{0});
@@ -196,14 +196,17 @@ HWY_INLINE Maps<T> solve(const Moments<T, kDegree>& m) {
   V right[kCount];
   V degree = set(T(kDegree));
   auto sound = hn::Eq(zero, zero);
+#pragma GCC unroll 16
   for (int j = 0; j < kCount; ++j) {
     const Monomial mj = monomial(j);
     V scaled[kCount];
     const V diagonal = m.area[2 * mj.x][2 * mj.y];
     V pivot = diagonal;
+#pragma GCC unroll 16
     for (int k = 0; k < j; ++k) {
       const Monomial mk = monomial(k);
       V s = m.area[mj.x + mk.x][mj.y + mk.y];
+#pragma GCC unroll 16
       for (int l = 0; l < k; ++l) s = fnma(scaled[l], lower[k][l], s);
       scaled[k] = s;
       lower[j][k] = s * per_pivot[k];
@@ -216,17 +219,21 @@ HWY_INLINE Maps<T> solve(const Moments<T, kDegree>& m) {
   }
   sound = hn::Eq(degree, set(T(kDegree)));
   V explained = zero;
+#pragma GCC unroll 16
   for (int j = 0; j < kCount; ++j) {
     const Monomial mj = monomial(j);
     V r = m.height[mj.x][mj.y];
+#pragma GCC unroll 16
     for (int k = 0; k < j; ++k) r = fnma(lower[j][k], right[k], r);
     right[j] = hn::IfThenElseZero(degree >= set(T(mj.x + mj.y)), r);
     explained = fma(right[j] * right[j], per_pivot[j], explained);
   }
   Maps<T> map;
   for (auto& c : map.coefficient) c = zero;
+#pragma GCC unroll 16
   for (int j = kCount - 1; j >= 0; --j) {
     V c = right[j] * per_pivot[j];
+#pragma GCC unroll 16
     for (int k = j + 1; k < kCount; ++k) c = fnma(lower[k][j], map.coefficient[k], c);
     // A lane of lower degree has zeros above, so this only drops its own rounding.
     const Monomial mj = monomial(j);

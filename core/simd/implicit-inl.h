@@ -186,6 +186,7 @@ HWY_INLINE Outcomes<T> describe(const Walk<T>& walk, MlsOperator op, bool orient
   auto easy = walk.easy;
   if constexpr (sizeof(T) == 4) easy = hn::And(easy, map.sound);
   store(hn::IfThenElseZero(easy, set(T{1})), o.value[Outcomes<T>::kEasy]);
+  o.judge();
   return o;
 }
 

@@ -15,13 +15,15 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h:
 #include "core/simd/apss-inl.h"
+#include "core/simd/candidates-inl.h"
+#include "core/simd/filter-inl.h"
 #include "core/simd/fit-inl.h"
-#include "core/simd/gather-inl.h"
 #include "core/simd/lanes-inl.h"
 #include "core/simd/plane-inl.h"
 #include "core/simd/result-inl.h"
 #include "core/simd/rimls-inl.h"
 #include "core/simd/search-inl.h"
+#include "core/simd/transpose-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {
@@ -83,13 +85,10 @@ class Group {
     T* const x = reinterpret_cast<T*>(w_.balls.data());
     T* const y = x + steps * kLanes<T>;
     T* const z = y + steps * kLanes<T>;
-    for (std::size_t l = 0; l < kLanes<T>; ++l) {
-      if (l >= lanes_) rows()[l].count = 0;
-      rows()[l].pad(steps, T(kFarAway));
-    }
-    transpose_rows(&simd::LaneRow<T>::x, steps, x);
-    transpose_rows(&simd::LaneRow<T>::y, steps, y);
-    transpose_rows(&simd::LaneRow<T>::z, steps, z);
+    for (std::size_t l = lanes_; l < kLanes<T>; ++l) rows()[l].count = 0;
+    transpose_rows(&simd::LaneRow<T>::x, T(kFarAway), steps, x);
+    transpose_rows(&simd::LaneRow<T>::y, T(kFarAway), steps, y);
+    transpose_rows(&simd::LaneRow<T>::z, T(kFarAway), steps, z);
     return {x, y, z, most};
   }
 
@@ -98,19 +97,18 @@ class Group {
     const std::size_t steps = size / kLanes<T>;
     w_.normals.reserve(6 * size * sizeof(T));
     T* const x = reinterpret_cast<T*>(w_.normals.data());
-    for (std::size_t l = 0; l < kLanes<T>; ++l) rows()[l].pad_normals(steps);
-    transpose_rows(&simd::LaneRow<T>::nx, steps, x);
-    transpose_rows(&simd::LaneRow<T>::ny, steps, x + size);
-    transpose_rows(&simd::LaneRow<T>::nz, steps, x + 2 * size);
+    transpose_rows(&simd::LaneRow<T>::nx, T{0}, steps, x);
+    transpose_rows(&simd::LaneRow<T>::ny, T{0}, steps, x + size);
+    transpose_rows(&simd::LaneRow<T>::nz, T{0}, steps, x + 2 * size);
     return {x, x + size, x + 2 * size};
   }
 
-  void transpose_rows(simd::Buffer<T> simd::LaneRow<T>::*axis, std::size_t steps, T* to) {
-    for (std::size_t l = 0; l < kLanes<T>; l += kBlockLanes<T>) {
-      const T* block[kBlockLanes<T>];
-      for (std::size_t r = 0; r < kBlockLanes<T>; ++r) block[r] = (rows()[l + r].*axis).data();
-      transpose<T>(block, steps, to + l);
-    }
+  /// Shorter rows are filled up with `rest`.
+  void transpose_rows(simd::Buffer<T> simd::LaneRow<T>::*axis, T rest, std::size_t steps, T* to) {
+    const T* from[kLanes<T>];
+    for (std::size_t l = 0; l < kLanes<T>; ++l)
+      from[l] = padded(rows()[l].*axis, rows()[l].count, steps, rest);
+    transpose<T>(from, steps, to);
   }
 
   /// R / h of each lane, cut to where the weights of a Gaussian vanish.
@@ -203,18 +201,19 @@ class Run {
   bool add(std::uint32_t i) {
     const Query& query = batch_->queries[i];
     const double wanted = pss::reach(batch_->method.weight, batch_->support(i));
-    IndexBox box = box_;
-    box.add(query.position);
-    if (count_ > 0) {
-      const double span = 4 * std::min(reach_, wanted);
-      for (std::size_t a = 0; a < 3; ++a)
-        if (static_cast<double>(box.max[a] - box.min[a]) * batch_->grid.lattice().scale[a] > span)
-          return false;
+    const double span = 4 * (count_ > 0 ? std::min(reach_, wanted) : wanted);
+    IndexBox box;
+    for (std::size_t a = 0; a < 3; ++a) {
+      box.min[a] = std::min(box_.min[a], query.position[a]);
+      box.max[a] = std::max(box_.max[a], query.position[a]);
+      if (static_cast<double>(box.max[a] - box.min[a]) * batch_->grid.lattice().scale[a] > span)
+        return false;
     }
     box_ = box;
     reach_ = std::max(reach_, wanted);
     const World3& r = query.remainder;
-    rest_ = std::max(rest_, std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
+    const double rest_sq = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
+    if (rest_sq > 0) rest_ = std::max(rest_, std::sqrt(rest_sq));
     return true;
   }
 
@@ -226,8 +225,7 @@ class Run {
 };
 
 /// The longest run from the front whose candidates are one slice, or one query; finds them.
-Run run_of(const simd::Batch& batch, std::span<const std::uint32_t> which,
-           RunCandidates& candidates) {
+Run run_of(const simd::Batch& batch, std::span<const std::uint32_t> which, Candidates& candidates) {
   Run run(batch, which);
   while (candidates.find(run.box(), run.reach(), run.exact()) > simd::kMostCandidates &&
          run.count() > 1)
@@ -235,26 +233,37 @@ Run run_of(const simd::Batch& batch, std::span<const std::uint32_t> which,
   return run;
 }
 
-template <class T>
+template <class T, bool kNormals>
 void project_in(const simd::Batch& batch, simd::Search search, std::span<const std::uint32_t> which,
                 simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
   Group<T> group(batch, search, workspace, rest);
-  RunCandidates candidates(batch, workspace);
+  Candidates candidates(batch, workspace);
   while (!which.empty()) {
     const Run run = run_of(batch, which, candidates);
     const bool whole = candidates.load();
+    const auto filter = [&](const Seeker& seeker, simd::LaneRow<T>& row) {
+      Filter<kNormals>(candidates).add(seeker, row);
+    };
     for (const std::uint32_t i : which.first(run.count())) {
-      const double reach = pss::reach(batch.method.weight, batch.support(i));
-      const Seeker seeker{batch.queries[i], batch.support(i).h, reach * reach};
+      const Support& support = batch.support(i);
+      const Seeker seeker(batch.queries[i], support.h, pss::reach(batch.method.weight, support),
+                          candidates);
       simd::LaneRow<T>& row = group.next_row(i);
-      if (whole) candidates.filter<T>(seeker, row);
+      if (whole) filter(seeker, row);
       // More than one slice only where the run is this query alone.
-      while (run.count() == 1 && candidates.load()) candidates.filter<T>(seeker, row);
+      while (run.count() == 1 && candidates.load()) filter(seeker, row);
       if (group.full()) group.compute();
     }
     which = which.subspan(run.count());
   }
   group.compute();
+}
+
+template <class T>
+void project_in(const simd::Batch& batch, simd::Search search, std::span<const std::uint32_t> which,
+                simd::Workspace& workspace, std::vector<std::uint32_t>& rest) {
+  needs_normals(batch.method.op) ? project_in<T, true>(batch, search, which, workspace, rest)
+                                 : project_in<T, false>(batch, search, which, workspace, rest);
 }
 
 void project(const simd::Batch& batch, Precision precision, simd::Search search,

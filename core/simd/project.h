@@ -38,20 +38,6 @@ struct LaneRow {
     if (!normals) return;
     for (Buffer<T>* buffer : {&nx, &ny, &nz}) buffer->reserve(kept + more, kept);
   }
-
-  /// Fills the coordinates from `count` to `size` with a place where no weight is.
-  void pad(std::size_t size, T far) {
-    for (Buffer<T>* buffer : {&x, &y, &z}) pad(*buffer, size, far);
-  }
-  void pad_normals(std::size_t size) {
-    for (Buffer<T>* buffer : {&nx, &ny, &nz}) pad(*buffer, size, T{0});
-  }
-
- private:
-  void pad(Buffer<T>& buffer, std::size_t size, T value) {
-    buffer.reserve(size, count);
-    std::fill(buffer.data() + count, buffer.data() + size, value);
-  }
 };
 
 /// Consecutive candidates that are looked at together: a whole number of vectors in every target.

@@ -28,6 +28,7 @@ struct Outcomes {
     kSecondSheet,
     kStatus,  // 0, or the Status of a lane that stays
     kEasy,
+    kFinite,  // 1 where all the others are
     kFields
   };
 
@@ -37,16 +38,17 @@ struct Outcomes {
     return {value[field][lane], value[field + 1][lane], value[field + 2][lane]};
   }
 
-  bool is_finite(std::size_t lane) const {
-    T zero = 0;  // unless a number is not
-    for (int field = 0; field < kFields; ++field) zero += value[field][lane] * 0;
-    return zero == 0;
+  /// Looks through all other fields.
+  void judge() {
+    Vec<T> sum = set(T{0});  // zeros, unless a number is not finite
+    for (int field = 0; field < kFinite; ++field) sum = sum + load(value[field]) * set(T{0});
+    store(hn::IfThenElseZero(hn::Eq(sum, set(T{0})), set(T{1})), value[kFinite]);
   }
 
   /// Fills in the projection of a lane; false where the lane's query needs another computation.
   bool write(std::size_t lane, double h, int degree, Projection& p) const {
     if (!(value[kEasy][lane] > 0)) return false;
-    const bool finite = is_finite(lane);
+    const bool finite = value[kFinite][lane] > 0;
     if (value[kStatus][lane] > 0 || !finite) {
       p = Projection{};
       p.status = finite ? static_cast<Status>(static_cast<int>(value[kStatus][lane]))
@@ -174,6 +176,7 @@ HWY_INLINE Outcomes<T> describe(const Planes<T>& plane, const Axes<Vec<T>>& axes
   store(hn::IfThenElse(hn::Eq(plane.status, zero), found, plane.status),
         o.value[Outcomes<T>::kStatus]);
   store(hn::IfThenElseZero(easy, one), o.value[Outcomes<T>::kEasy]);
+  o.judge();
   return o;
 }
 
