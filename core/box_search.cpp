@@ -19,8 +19,10 @@ class CellGrid::BoxSearch {
       const std::int64_t steps = steps_within(radius_, grid_.lattice_.scale[a]);
       low_[a] = std::max(box.min[a] - steps, kLatticeMin);
       high_[a] = std::min(box.max[a] + steps, kLatticeMax);
-      low_cell_[a] = biased(low_[a]) >> grid_.shift_;
-      more_cells_[a] = (biased(high_[a]) >> grid_.shift_) - low_cell_[a];
+      const std::uint64_t first = biased(low_[a]) >> grid_.shift_;
+      const std::uint64_t more = (biased(high_[a]) >> grid_.shift_) - first;
+      first_cell_[a] = static_cast<std::uint32_t>(first) & CellPlace::kMask;
+      more_cells_[a] = static_cast<std::uint32_t>(std::min<std::uint64_t>(more, CellPlace::kMask));
     }
   }
 
@@ -124,7 +126,8 @@ class CellGrid::BoxSearch {
 
   void descend_cells(const Index3& corner, const Key& first, int shift, std::size_t from,
                      std::size_t to) {
-    if (to - from <= kFewCells) return look_at_cells(from, to);
+    const bool near = shift - grid_.shift_ <= CellPlace::kBits - 2;
+    if (near && to - from <= kFewCells) return look_at_cells(from, to);
     const auto find = [&](const Key& key, std::size_t low, std::size_t high) {
       return low + index_of(grid_.cells_.data() + low, high - low, key);
     };
@@ -134,15 +137,17 @@ class CellGrid::BoxSearch {
                     });
   }
 
-  /// A point of each cell tells where the cell is.
+  /// Cells that are less than half of the places away tell by their places whether they are
+  /// touched.
   void look_at_cells(std::size_t from, std::size_t to) {
     std::array<std::uint32_t, kFewCells> touched;
     std::size_t count = 0;
     for (std::size_t i = from; i < to; ++i) {
-      const Index3& point = grid_.points_[grid_.cells_[i].begin];
+      const std::uint32_t place = grid_.cells_[i].place;
       bool inside = true;
       for (std::size_t a = 0; a < 3; ++a)
-        inside &= (biased(point[a]) >> grid_.shift_) - low_cell_[a] <= more_cells_[a];
+        inside &=
+            ((CellPlace::along(place, a) - first_cell_[a]) & CellPlace::kMask) <= more_cells_[a];
       touched[count] = static_cast<std::uint32_t>(i);
       count += inside;
     }
@@ -179,8 +184,9 @@ class CellGrid::BoxSearch {
   }
 
   const CellGrid& grid_;
-  Index3 low_, high_;                   // the box with `radius` around it
-  BiasedIndex3 low_cell_, more_cells_;  // the first cell of the grid that it touches, and the rest
+  Index3 low_, high_;  // the box with `radius` around it
+  // The place of the first of the grid's cells that it touches, and how many more along each axis.
+  std::array<std::uint32_t, 3> first_cell_, more_cells_;
   double radius_, longest_step_;
   std::vector<PointRange>& out_;
 };

@@ -138,7 +138,7 @@ CellGrid::CellGrid(const Lattice& lattice, std::span<const Index3> points, doubl
   for (std::size_t i = 0; i < points.size(); ++i)
     if (i == 0 || common_shift(points[i - 1], points[i]) > shift_)
       cells_.push_back({cell_of(encode_key(points[i]), kLatticeBits - shift_).first,
-                        static_cast<std::uint32_t>(i)});
+                        static_cast<std::uint32_t>(i), CellPlace::of(points[i], shift_)});
 }
 
 std::size_t CellGrid::bytes_for(std::size_t points) {

@@ -82,6 +82,7 @@ class CellGrid {
   struct Entry {
     Key first;  // of the cell, not of a point
     std::uint32_t begin;
+    std::uint32_t place;  // the lowest 10 bits of its number along each axis
   };
 
   class BoxSearch;

@@ -41,8 +41,9 @@ void Projector::project(std::span<const Query> queries, std::span<const Support>
 }
 
 std::size_t Projector::bytes_for(std::size_t ball_points, MlsOperator op) {
-  // A slice of candidates in either form, with normals, and the loops' small arrays.
-  constexpr std::size_t kFixed = 80 * simd::kMostCandidates + (std::size_t{1} << 17);
+  // A slice of candidates in either form, with normals, the room that rows have beyond their balls,
+  // and the loops' small arrays.
+  constexpr std::size_t kFixed = 80 * simd::kMostCandidates + (std::size_t{1} << 19);
   // 16 rows and their columns in single, 8 in double: 192 bytes a point each, and a fourth more as
   // buffers grow. Normals fill as many, and rimls keeps three more columns.
   return kFixed + (needs_normals(op) ? 2048 : 1024) * ball_points;

@@ -24,6 +24,22 @@ inline std::uint64_t biased(std::int64_t index) {
   return static_cast<std::uint64_t>(index - kLatticeMin);
 }
 
+/// The lowest bits of a cell's number along each axis, in one word.
+struct CellPlace {
+  static constexpr int kBits = 10;
+  static constexpr std::uint32_t kMask = (1u << kBits) - 1;
+
+  static std::uint32_t of(const Index3& point, int shift) {
+    std::uint32_t place = 0;
+    for (std::size_t a = 3; a-- > 0;)
+      place = place << kBits | (static_cast<std::uint32_t>(biased(point[a]) >> shift) & kMask);
+    return place;
+  }
+  static std::uint32_t along(std::uint32_t place, std::size_t axis) {
+    return place >> (kBits * static_cast<int>(axis)) & kMask;
+  }
+};
+
 /// The part of a key that one axis contributes.
 inline Key axis_key(std::size_t axis, std::uint64_t position) {
   Index3 index{kLatticeMin, kLatticeMin, kLatticeMin};

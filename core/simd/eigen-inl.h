@@ -24,24 +24,27 @@ struct Eigen {
   Vec3<V> least_vector, most_vector;
 };
 
-/// One plane rotation of the Jacobi method: makes the element pq zero. r is the third axis.
-template <class V>
-HWY_INLINE void rotate(V& pp, V& qq, V& pq, V& pr, V& qr, Vec3<V>& p, Vec3<V>& q) {
+/// One plane rotation of the Jacobi method: makes the element pq zero in the lanes of the mask. r
+/// is the third axis.
+template <class V, class M>
+HWY_INLINE void rotate(M lanes, V& pp, V& qq, V& pq, V& pr, V& qr, Vec3<V>& p, Vec3<V>& q) {
   using T = hn::TFromV<V>;
   const V zero = set(T{0});
   const V one = set(T{1});
-  // t = 2 pq / (d + sign(d) sqrt(d^2 + 4 pq^2)), d = qq - pp: the tangent of the smaller angle
+  // The tangent of the smaller angle, t = 2 pq / (d + sign(d) r), d = qq - pp,
+  // r = sqrt(d^2 + 4 pq^2); its cosine by c^2 = (|d| + r) / 2 r, which does not wait for it.
   const V d = qq - pp;
   const V twice = pq + pq;
   const V root = hn::Sqrt(fma(d, d, twice * twice));
-  const V denominator = d + hn::CopySign(root, d);
-  const auto turn = hn::Ne(denominator, zero);
-  const V t = hn::IfThenElseZero(turn, twice / hn::IfThenElse(turn, denominator, one));
-  const V c = one / hn::Sqrt(fma(t, t, one));
+  const V sum = hn::Abs(d) + root;
+  const auto turn = hn::And(lanes, sum > zero);
+  const V t = hn::IfThenElseZero(turn, twice / hn::IfThenElse(turn, hn::CopySign(sum, d), one));
+  const V cos_sq = sum / hn::IfThenElse(turn, root + root, one);
+  const V c = hn::IfThenElse(turn, hn::Sqrt(cos_sq), one);
   const V s = t * c;
   pp = fnma(t, pq, pp);
   qq = fma(t, pq, qq);
-  pq = zero;
+  pq = hn::IfThenElse(turn, zero, pq);
   const V old_pr = pr;
   pr = fnma(s, qr, c * pr);
   qr = fma(s, old_pr, c * qr);
@@ -62,19 +65,31 @@ HWY_INLINE void order(V& a, V& b, Vec3<V>& va, Vec3<V>& vb) {
   va = first;
 }
 
-/// Source: cyclic Jacobi: Golub, Van Loan, "Matrix Computations", section 8.5; a fixed number of
-///         sweeps, each of which squares the error or better.
+/// Where the elements off the diagonal are more than a rounding of those on it.
+template <class V>
+HWY_INLINE auto is_coupled(const Symmetric<V>& m) {
+  using T = hn::TFromV<V>;
+  constexpr T kRounding = sizeof(T) == 4 ? T(0x1p-25) : T(0x1p-54);
+  const V off = hn::Max(hn::Max(hn::Abs(m.xy), hn::Abs(m.xz)), hn::Abs(m.yz));
+  const V on = hn::Max(hn::Max(hn::Abs(m.xx), hn::Abs(m.yy)), hn::Abs(m.zz));
+  return off > set(kRounding) * on;
+}
+
+/// Source: cyclic Jacobi: Golub, Van Loan, "Matrix Computations", section 8.5. Each sweep squares
+///         the error or better; a lane makes those that it needs, whatever the others do.
 template <class V>
 HWY_INLINE Eigen<V> eigen_decomposition(Symmetric<V> m) {
   using T = hn::TFromV<V>;
-  constexpr int kSweeps = sizeof(T) == 4 ? 4 : 5;
+  constexpr int kMostSweeps = sizeof(T) == 4 ? 4 : 5;
   const V zero = set(T{0});
   const V one = set(T{1});
   Vec3<V> x{one, zero, zero}, y{zero, one, zero}, z{zero, zero, one};
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    rotate(m.xx, m.yy, m.xy, m.xz, m.yz, x, y);
-    rotate(m.xx, m.zz, m.xz, m.xy, m.yz, x, z);
-    rotate(m.yy, m.zz, m.yz, m.xy, m.xz, y, z);
+  auto lanes = is_coupled(m);
+  for (int sweep = 0; sweep < kMostSweeps && !hn::AllFalse(Tag<T>(), lanes); ++sweep) {
+    rotate(lanes, m.xx, m.yy, m.xy, m.xz, m.yz, x, y);
+    rotate(lanes, m.xx, m.zz, m.xz, m.xy, m.yz, x, z);
+    rotate(lanes, m.yy, m.zz, m.yz, m.xy, m.xz, y, z);
+    lanes = hn::And(lanes, is_coupled(m));
   }
   order(m.xx, m.yy, x, y);
   order(m.yy, m.zz, y, z);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "core/simd/touch-inl.h"
 #include "core/simd/weight-inl.h"
@@ -16,21 +17,22 @@
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {
 
-/// Where a row's next neighbours go, as many vectors wide as a chunk at least.
+/// Where a row's next neighbours go, with room for them.
 template <class T, bool kNormals>
 class RowEnd {
  public:
-  explicit RowEnd(simd::LaneRow<T>& row) : row_(row), count_(row.count) { take(); }
+  explicit RowEnd(simd::LaneRow<T>& row)
+      : row_(row),
+        x_(row.x.data()),
+        y_(row.y.data()),
+        z_(row.z.data()),
+        nx_(row.nx.data()),
+        ny_(row.ny.data()),
+        nz_(row.nz.data()),
+        count_(row.count) {}
   ~RowEnd() { row_.count = count_; }
   RowEnd(const RowEnd&) = delete;
   RowEnd& operator=(const RowEnd&) = delete;
-
-  /// Makes room for a chunk.
-  HWY_INLINE void reserve() {
-    if (HWY_LIKELY(count_ + kMore <= room_)) return;
-    row_.reserve(count_, kMore, kNormals);
-    take();
-  }
 
   template <class D, class M>
   HWY_INLINE void add(D d, M mask, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z) {
@@ -40,9 +42,9 @@ class RowEnd {
   }
   template <class D, class M>
   HWY_INLINE void add_normals(D d, M mask, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z) {
-    hn::StoreU(compress(x, mask), d, row_.nx.data() + count_);
-    hn::StoreU(compress(y, mask), d, row_.ny.data() + count_);
-    hn::StoreU(compress(z, mask), d, row_.nz.data() + count_);
+    hn::StoreU(compress(x, mask), d, nx_ + count_);
+    hn::StoreU(compress(y, mask), d, ny_ + count_);
+    hn::StoreU(compress(z, mask), d, nz_ + count_);
   }
   /// Moves on behind what was added with the mask.
   template <class D, class M>
@@ -51,21 +53,19 @@ class RowEnd {
   }
 
  private:
-  static constexpr std::size_t kMore = simd::kChunk + 16;
-
-  void take() {
-    x_ = row_.x.data();
-    y_ = row_.y.data();
-    z_ = row_.z.data();
-    room_ = row_.x.capacity();
-  }
-
   simd::LaneRow<T>& row_;
   T* x_;
   T* y_;
   T* z_;
-  std::size_t count_, room_;
+  T* nx_;
+  T* ny_;
+  T* nz_;
+  std::size_t count_;
 };
+
+/// Chunks that a query looks at.
+template <class Begin>
+using ChunkBegins = std::span<const Begin>;
 
 /// The candidates of one slice, tried for one query after the other.
 template <bool kNormals>
@@ -91,28 +91,41 @@ class Filter {
  private:
   static constexpr std::size_t kChunk = simd::kChunk;
 
-  std::int32_t* begins_of_narrow() const {
-    return reinterpret_cast<std::int32_t*>(w_.touched.data());
-  }
+  // Chunks whose candidates a row has room for at once; between them it grows.
+  static constexpr std::size_t kBlock = 32;
+  static constexpr std::size_t kPadding = 16;
 
   template <class T>
   void add_narrow(const Seeker& seeker, simd::LaneRow<T>& row) const {
-    std::int32_t* const begins = begins_of_narrow();
+    auto* const begins = reinterpret_cast<std::int32_t*>(w_.touched.data());
     const std::size_t n = touch<float>(w_.narrow, candidates_.chunks(), lattice_, seeker, begins);
-    if constexpr (sizeof(T) == 4)
-      add_singles(begins, n, seeker, row);
-    else
-      add_doubles(w_.narrow, begins, n, seeker, row);
+    in_blocks<std::int32_t>({begins, n}, row, [&](ChunkBegins<std::int32_t> block) {
+      if constexpr (sizeof(T) == 4)
+        add_singles(block, seeker, row);
+      else
+        add_doubles(w_.narrow, block, seeker, row);
+    });
   }
 
   template <class T>
   void add_wide(const Seeker& seeker, simd::LaneRow<T>& row) const {
     std::int64_t* const begins = w_.touched.data();
     const std::size_t n = touch<double>(w_.wide, candidates_.chunks(), lattice_, seeker, begins);
-    if constexpr (sizeof(T) == 4)
-      add_wide_singles(begins, n, seeker, row);
-    else
-      add_doubles(w_.wide, begins, n, seeker, row);
+    in_blocks<std::int64_t>({begins, n}, row, [&](ChunkBegins<std::int64_t> block) {
+      if constexpr (sizeof(T) == 4)
+        add_wide_singles(block, seeker, row);
+      else
+        add_doubles(w_.wide, block, seeker, row);
+    });
+  }
+
+  template <class Begin, class T, class Add>
+  static void in_blocks(ChunkBegins<Begin> begins, simd::LaneRow<T>& row, const Add& add) {
+    for (std::size_t n = 0; n < begins.size(); n += kBlock) {
+      const auto block = begins.subspan(n, std::min(kBlock, begins.size() - n));
+      row.reserve(row.count, block.size() * kChunk + kPadding, kNormals);
+      add(block);
+    }
   }
 
   /// The exact decision for one candidate.
@@ -129,8 +142,22 @@ class Filter {
   }
 
   /// 32-bit steps to single coordinates: the decision in single too, except near the boundary.
-  HWY_INLINE void add_singles(const std::int32_t* begins, std::size_t touched, const Seeker& seeker,
-                              simd::LaneRow<float>& row) const {
+  ///
+  /// A loop that called something would keep all that it needs in memory, so one that meets doubts
+  /// is done again.
+  void add_singles(ChunkBegins<std::int32_t> begins, const Seeker& seeker,
+                   simd::LaneRow<float>& row) const {
+    const std::size_t before = row.count;
+    if (HWY_LIKELY(!add_singles<false>(begins, seeker, row))) return;
+    row.count = before;
+    add_singles<true>(begins, seeker, row);
+  }
+
+  /// Returns whether some candidate was too near the boundary, which is then decided exactly or
+  /// left out.
+  template <bool kDecides>
+  HWY_NOINLINE bool add_singles(ChunkBegins<std::int32_t> begins, const Seeker& seeker,
+                                simd::LaneRow<float>& row) const {
     using V = Vec<float>;
     const Tag<float> d;
     const hn::RebindToSigned<Tag<float>> di;
@@ -148,10 +175,11 @@ class Filter {
     const std::int32_t* const px = w_.narrow.x.data();
     const std::int32_t* const py = w_.narrow.y.data();
     const std::int32_t* const pz = w_.narrow.z.data();
+    const std::size_t count = count_;
     RowEnd<float, kNormals> end(row);
-    for (std::size_t n = 0; n < touched; ++n) {
-      const std::size_t begin = static_cast<std::size_t>(begins[n]);
-      end.reserve();
+    auto doubts = none<float>();
+    for (const std::int32_t chunk : begins) {
+      const std::size_t begin = static_cast<std::size_t>(chunk);
       for (std::size_t k = begin; k < begin + kChunk; k += kLanes<float>) {
         const V x = hn::ConvertTo(d, hn::LoadU(di, px + k) - qx) * sx;
         const V y = hn::ConvertTo(d, hn::LoadU(di, py + k) - qy) * sy;
@@ -159,14 +187,15 @@ class Filter {
         const V length = fma(x, x, fma(y, y, z * z));
         auto mask = length < surely;
         const auto maybe = length < perhaps;
-        if (HWY_UNLIKELY(!hn::AllFalse(d, hn::AndNot(mask, maybe))))
-          mask = decide(seeker, k, mask, maybe, length) < surely;
-        if (HWY_UNLIKELY(count_ < k + kLanes<float>)) mask = hn::And(mask, first(d, k));
+        doubts = hn::Or(doubts, hn::AndNot(mask, maybe));
+        if constexpr (kDecides) mask = decide(seeker, k, mask, maybe, length) < surely;
+        if (HWY_UNLIKELY(count < k + kLanes<float>)) mask = hn::And(mask, first(d, k));
         end.add(d, mask, x, y, z);
         if constexpr (kNormals) add_normals(d, mask, k, end);
         end.keep(d, mask);
       }
     }
+    return !hn::AllFalse(d, doubts);
   }
 
   /// Squared lengths with those that single precision cannot judge made 0 or infinite.
@@ -190,9 +219,8 @@ class Filter {
 
   /// Steps of either type to double coordinates and the exact decision.
   template <class I, class Begin>
-  HWY_INLINE void add_doubles(const simd::CandidateChunks<I>& chunks, const Begin* begins,
-                              std::size_t touched, const Seeker& seeker,
-                              simd::LaneRow<double>& row) const {
+  HWY_NOINLINE void add_doubles(const simd::CandidateChunks<I>& chunks, ChunkBegins<Begin> begins,
+                                const Seeker& seeker, simd::LaneRow<double>& row) const {
     using V = Vec<double>;
     const Tag<double> d;
     const World3& rest = seeker.query.remainder;
@@ -206,16 +234,16 @@ class Filter {
     const I* const px = chunks.x.data();
     const I* const py = chunks.y.data();
     const I* const pz = chunks.z.data();
+    const std::size_t count = count_;
     RowEnd<double, kNormals> end(row);
-    for (std::size_t n = 0; n < touched; ++n) {
-      const std::size_t begin = static_cast<std::size_t>(begins[n]);
-      end.reserve();
+    for (const auto chunk : begins) {
+      const std::size_t begin = static_cast<std::size_t>(chunk);
       for (std::size_t k = begin; k < begin + kChunk; k += kLanes<double>) {
         const V x = sx * (doubles(px + k) - qx) - rx;
         const V y = sy * (doubles(py + k) - qy) - ry;
         const V z = sz * (doubles(pz + k) - qz) - rz;
         auto mask = fma(x, x, fma(y, y, z * z)) < limit;
-        if (HWY_UNLIKELY(count_ < k + kLanes<double>)) mask = hn::And(mask, first(d, k));
+        if (HWY_UNLIKELY(count < k + kLanes<double>)) mask = hn::And(mask, first(d, k));
         end.add(d, mask, x * per_h, y * per_h, z * per_h);
         if constexpr (kNormals) add_normals(d, mask, k, end);
         end.keep(d, mask);
@@ -236,8 +264,8 @@ class Filter {
   }
 
   /// Wide steps to single coordinates: the same bits as of narrow ones where there is no remainder.
-  HWY_INLINE void add_wide_singles(const std::int64_t* begins, std::size_t touched,
-                                   const Seeker& seeker, simd::LaneRow<float>& row) const {
+  HWY_NOINLINE void add_wide_singles(ChunkBegins<std::int64_t> begins, const Seeker& seeker,
+                                     simd::LaneRow<float>& row) const {
     const Tag<double> d;
     const hn::Rebind<float, Tag<double>> half;
     const World3& rest = seeker.query.remainder;
@@ -254,10 +282,10 @@ class Filter {
       const auto cut = hn::Set(half, static_cast<float>(rest[axis] * seeker.per_h));
       return hn::DemoteTo(half, dx) * scale - cut;
     };
+    const std::size_t count = count_;
     RowEnd<float, kNormals> end(row);
-    for (std::size_t n = 0; n < touched; ++n) {
-      const std::size_t begin = static_cast<std::size_t>(begins[n]);
-      end.reserve();
+    for (const auto chunk : begins) {
+      const std::size_t begin = static_cast<std::size_t>(chunk);
       for (std::size_t k = begin; k < begin + kChunk; k += kLanes<double>) {
         const auto dx = steps(0, k);
         const auto dy = steps(1, k);
@@ -266,7 +294,7 @@ class Filter {
         const auto y = length(1, dy);
         const auto z = length(2, dz);
         auto mask = fma(x, x, fma(y, y, z * z)) < limit;
-        if (HWY_UNLIKELY(count_ < k + kLanes<double>)) mask = hn::And(mask, first(d, k));
+        if (HWY_UNLIKELY(count < k + kLanes<double>)) mask = hn::And(mask, first(d, k));
         // The mask of doubles as one of floats: 1 or 0, demoted.
         const auto keep = hn::DemoteTo(half, hn::IfThenElseZero(mask, set(1.0))) > hn::Zero(half);
         end.add(half, keep, local(0, dx), local(1, dy), local(2, dz));
