@@ -13,6 +13,7 @@
 #include "apps/progress.h"
 #include "apps/smooth_text.h"
 #include "core/parallel.h"
+#include "core/simd/targets.h"
 #include "io/inputs.h"
 
 namespace pss {
@@ -49,6 +50,12 @@ std::vector<std::string> names_of(const Kinds& kinds) {
   return names;
 }
 
+std::vector<std::string> target_names() {
+  std::vector<std::string> names;
+  for (const simd::Target& target : simd::targets()) names.push_back(target.name);
+  return names;
+}
+
 /// The one of that name; empty where no name was given.
 template <class Kind, std::size_t n>
 std::optional<Kind> named(const std::array<Kind, n>& kinds, const std::string& name) {
@@ -78,6 +85,9 @@ class Smooth : public Command {
     PSS_TRY(take_method());
     take_options();
     ThreadLimit threads(limits_.threads);
+    std::optional<simd::ForcedTarget> forced;
+    for (const simd::Target& target : simd::targets())
+      if (target.name == target_) forced.emplace(target);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
     if (dry_run_) return estimate(budget, progress);
@@ -142,6 +152,9 @@ class Smooth : public Command {
     reports_.declare_report(arguments);
     arguments.option("--tile-points", "N", "Points a tile owns at most, for experiments [262144]",
                      job_.options.tile_points, parse_tile_points);
+    arguments.choice("--simd", target_names(),
+                     "Vector instructions to compute with, for experiments [the widest there are]",
+                     target_);
   }
 
   static Result<OutputSet> parse_outputs_word(std::string_view text) {
@@ -180,7 +193,7 @@ class Smooth : public Command {
 
   std::vector<std::string> inputs_;
   SmoothJob job_;
-  std::string operator_, weight_, precision_;  // empty: not given
+  std::string operator_, weight_, precision_, target_;  // empty: not given
   std::optional<int> degree_;
   GridOptions grid_;
   JobOptions directory_;
