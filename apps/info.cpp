@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 #include "apps/command.h"
 #include "apps/describe.h"
@@ -41,8 +39,7 @@ class Info : public Command {
       PSS_ASSIGN(const Store store, Store::open(path));
       return describe_store(store);
     }
-    std::error_code unreadable;  // open_reader says so in words
-    if (std::filesystem::is_directory(path, unreadable)) {
+    if (is_directory(path)) {
       PSS_ASSIGN(const JobState state, read_job_state(path));
       return describe_job(path, state);
     }

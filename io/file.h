@@ -13,6 +13,11 @@
 
 namespace pss {
 
+struct FileState {
+  std::uint64_t size = 0;
+  std::int64_t modified_ns = 0;  ///< since 1970
+};
+
 /// An open file. Moved, never copied; closed at the end of its life.
 class File {
  public:
@@ -20,6 +25,7 @@ class File {
   static Result<File> open(const std::string& path);
   static Result<File> create(const std::string& path);          ///< to read and write, emptied
   static Result<File> open_or_create(const std::string& path);  ///< to read and write, as it is
+  static Result<File> open_to_write(const std::string& path);   ///< to read and write; it is there
 
   File(File&& other) noexcept;
   File& operator=(File&& other) noexcept;
@@ -27,6 +33,7 @@ class File {
 
   const std::string& path() const { return path_; }
 
+  Result<FileState> state() const;
   Result<std::uint64_t> size() const;
 
   /// Fills `out` from `offset`; the number of bytes is smaller only at the end of the file.
@@ -37,11 +44,12 @@ class File {
 
   Result<void> write(std::uint64_t offset, std::span<const std::byte> bytes);
   Result<void> truncate(std::uint64_t size);
-  /// fdatasync. A failure is final: what was written may be lost, and is never tried again.
+  /// Makes content, size and time durable. A failure is final: what was written may be lost, and is
+  /// never tried again.
   Result<void> sync();
 
  private:
-  File(int descriptor, std::string path);
+  File(std::int64_t descriptor, std::string path);
   int descriptor_ = -1;
   std::string path_;
   bool lost_ = false;  ///< a sync failed
@@ -51,10 +59,18 @@ class File {
 Result<void> rename_file(const std::string& from, const std::string& to);
 /// Makes the names in a directory durable.
 Result<void> sync_directory(const std::string& path);
+/// Makes a directory and those above it, and their names durable.
 Result<void> make_directories(const std::string& path);
+/// The names in a directory, sorted.
+Result<std::vector<std::string>> list_directory(const std::string& path);
 /// Removes a file or a whole directory; a missing one is no error.
 Result<void> remove_all(const std::string& path);
 bool exists(const std::string& path);
+bool is_directory(const std::string& path);
+/// Whether two paths lead to one file.
+bool same_file(const std::string& a, const std::string& b);
+/// Whether a path leads to a place in a folder, or to the folder itself, links followed.
+bool lies_in(const std::string& path, const std::string& folder);
 Result<std::uint64_t> free_space(const std::string& path);
 /// Whether two paths, or what of them exists, lie on one file system.
 bool same_disk(const std::string& a, const std::string& b);

@@ -1,13 +1,13 @@
 #include "io/inputs.h"
 
 #include <fmt/format.h>
-#include <glob.h>
 
 #include <algorithm>
-#include <filesystem>
+#include <cerrno>
 #include <string_view>
 #include <system_error>
 
+#include "io/disk.h"
 #include "io/file.h"
 #include "io/writer.h"
 
@@ -18,7 +18,7 @@ using Paths = std::vector<std::string>;
 
 constexpr std::uint64_t kLargestList = std::uint64_t{64} << 20;
 
-Error failed(const std::string& path, const char* what) {
+Error failed(const std::string& path, std::string_view what) {
   return {Fault::kFailed, fmt::format("{}: {}", path, what)};
 }
 
@@ -29,60 +29,49 @@ struct Expansion {
 
   /// Adds what was found rather than named: a result among its own inputs is no input.
   void add_found(const std::string& path) {
-    std::error_code ignored;
-    if (!std::filesystem::equivalent(path, output, ignored)) paths.push_back(path);
+    if (!same_file(path, output)) paths.push_back(path);
   }
 };
 
+bool is_regular_file(const std::string& path) {
+  disk::Status status;
+  return disk::status(path, disk::Links::kFollow, status) == 0 && status.kind == disk::Kind::kFile;
+}
+
 Result<void> add_directory(const std::string& path, Expansion& out) {
+  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
   Paths found;
-  std::error_code code;
-  std::filesystem::directory_iterator entry(path, code);
-  for (; !code && entry != std::filesystem::directory_iterator(); entry.increment(code)) {
-    const std::string name = entry->path().string();
-    std::error_code ignored;
-    if (entry->is_regular_file(ignored) && format_for(name)) found.push_back(name);
+  for (const std::string& name : names) {
+    const std::string file = path + (path.ends_with('/') ? "" : "/") + name;
+    if (is_regular_file(file) && format_for(file)) found.push_back(file);
   }
-  if (code)
-    return Error{Fault::kFailed,
-                 fmt::format("{}: cannot read the directory: {}", path, code.message())};
   if (found.empty()) return failed(path, "found no file to read in this directory");
-  std::ranges::sort(found);
   for (const std::string& name : found) out.add_found(name);
   return {};
 }
 
-/// Returns memory of glob(3) at the end of its life.
-struct GlobMatches {
-  glob_t matches{};
-  ~GlobMatches() { globfree(&matches); }
-};
-
 Result<void> add_matches(const std::string& pattern, Expansion& out) {
-  GlobMatches found;
-  const int outcome = ::glob(pattern.c_str(), GLOB_ERR, nullptr, &found.matches);
-  if (outcome == GLOB_NOMATCH) return failed(pattern, "matches no file");
-  if (outcome != 0) return failed(pattern, "cannot be matched: a directory cannot be read");
-  for (std::size_t i = 0; i < found.matches.gl_pathc; ++i) {
-    const std::string path = found.matches.gl_pathv[i];
-    std::error_code ignored;
-    if (!std::filesystem::is_directory(path, ignored) || is_store_name(path)) out.add_found(path);
-  }
+  Paths found;
+  const disk::Outcome outcome = disk::match(pattern, found);
+  if (outcome == -ENOENT) return failed(pattern, "matches no file");
+  if (outcome < 0) return failed(pattern, "cannot be matched: a directory cannot be read");
+  for (const std::string& path : found)
+    if (!is_directory(path) || is_store_name(path)) out.add_found(path);
   return {};
 }
 
 Result<void> add_path(const std::string& path, Expansion& out) {
-  std::error_code code;
-  const auto status = std::filesystem::status(path, code);
-  if (std::filesystem::is_directory(status) && !is_store_name(path))
+  disk::Status status;
+  const disk::Outcome outcome = disk::status(path, disk::Links::kFollow, status);
+  if (outcome == 0 && status.kind == disk::Kind::kDirectory && !is_store_name(path))
     return add_directory(path, out);
-  if (std::filesystem::exists(status)) {
+  if (outcome == 0) {
     out.paths.push_back(path);
     return {};
   }
   if (path.find_first_of("*?[") != std::string::npos) return add_matches(path, out);
-  if (code && code != std::errc::no_such_file_or_directory)
-    return Error{Fault::kFailed, fmt::format("{}: {}", path, code.message())};
+  if (outcome != -ENOENT && outcome != -ENOTDIR)
+    return failed(path, std::generic_category().message(static_cast<int>(-outcome)));
   return failed(path, "no such file or directory");
 }
 
@@ -114,15 +103,14 @@ Result<std::vector<std::string>> expand_inputs(std::span<const std::string> argu
 }
 
 Result<void> check_output(std::span<const std::string> inputs, const std::string& output) {
-  std::error_code ignored;
   for (const std::string& input : inputs)
-    if (std::filesystem::equivalent(input, output, ignored))
+    if (same_file(input, output))
       return Error{Fault::kUsage,
                    fmt::format("{}: is an input, {}; an input is never replaced, choose another "
                                "output",
                                output, input)};
   const std::string folder = directory_of(output);
-  if (std::filesystem::is_directory(folder, ignored)) return {};
+  if (is_directory(folder)) return {};
   return failed(output, "its folder is missing; make it, or choose another output");
 }
 

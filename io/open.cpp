@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <filesystem>
 #include <string_view>
 
 #include "io/file.h"
@@ -15,6 +13,7 @@
 #include "io/ply_reader.h"
 #include "io/ply_writer.h"
 #include "io/reader.h"
+#include "io/text_layout.h"
 #include "io/text_reader.h"
 #include "io/text_writer.h"
 #include "io/writer.h"
@@ -59,14 +58,6 @@ bool looks_like_text(std::string_view start) {
   });
 }
 
-std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](char c) {
-    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  });
-  return extension;
-}
-
 Error unsupported(const std::string& path, const std::string& what) {
   return {Fault::kBadInput, fmt::format("{}: offset 0: found {}, expected LAS, PLY or text (xyz, "
                                         "csv, txt, pts)",
@@ -86,16 +77,16 @@ Result<std::unique_ptr<Reader>> open_reader(const std::string& path) {
   for (const Signature& signature : kUnsupported)
     if (start.starts_with(signature.start)) return unsupported(path, signature.format);
   // A PTX file is text whose first lines are no points.
-  if (extension_of(path) == ".ptx") return unsupported(path, "PTX");
+  if (extension_of(path) == "ptx") return unsupported(path, "PTX");
   if (!looks_like_text(start)) return unsupported(path, "bytes of no known format");
   return open_text(path);
 }
 
 Result<Format> format_for(const std::string& path) {
   const std::string extension = extension_of(path);
-  if (extension == ".las") return Format::kLas;
-  if (extension == ".ply") return Format::kPly;
-  for (const char* text : {".xyz", ".txt", ".csv", ".asc", ".pts"})
+  if (extension == "las") return Format::kLas;
+  if (extension == "ply") return Format::kPly;
+  for (const char* text : {"xyz", "txt", "csv", "asc", "pts"})
     if (extension == text) return Format::kText;
   return Error{Fault::kUsage,
                fmt::format("{}: found the extension '{}', expected las, ply, xyz, txt, csv, asc or "

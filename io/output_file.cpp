@@ -1,17 +1,12 @@
 // OutputFile of io/file.h: what makes a file appear under its name only when it is complete.
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <stdio.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cassert>
 #include <cerrno>
-#include <cstring>
-#include <system_error>
 #include <utility>
 
+#include "io/disk.h"
 #include "io/file.h"
 
 namespace pss {
@@ -25,16 +20,11 @@ Error exists_already(const std::string& path) {
   return {Fault::kFailed, fmt::format("{}: exists; use --overwrite to replace it", path)};
 }
 
-bool is_directory(const std::string& path) {
-  struct stat status {};
-  return ::stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode);
-}
-
 /// Gives a file its name, but never takes that name from another file that came meanwhile.
 Result<void> rename_to_free_name(const std::string& from, const std::string& to) {
-  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0)
-    return sync_directory(directory_of(to));
-  if (errno == EEXIST) return exists_already(to);
+  const disk::Outcome outcome = disk::rename_to_free(from, to);
+  if (outcome == 0) return sync_directory(directory_of(to));
+  if (outcome == -EEXIST) return exists_already(to);
   // Not every file system knows the flag.
   if (exists(to)) return exists_already(to);
   return rename_file(from, to);
@@ -60,7 +50,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       finished_(std::exchange(other.finished_, true)) {}
 
 OutputFile::~OutputFile() {
-  if (!finished_) ::unlink(file_.path().c_str());
+  if (!finished_) disk::remove_file(file_.path());
 }
 
 Result<OutputFile> OutputFile::create(const std::string& path, bool overwrite,

@@ -81,6 +81,7 @@ std::string_view comment_prefix(std::string_view line) {
 std::string extension_of(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
   if (dot == std::string::npos || path[dot] != '.') return "";
+  if (dot == 0 || path[dot - 1] == '/') return "";  // the name of a hidden file
   std::string extension = path.substr(dot + 1);
   for (char& c : extension)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

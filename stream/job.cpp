@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -67,25 +66,17 @@ std::string witness_of(const std::string& output) {
   return is_store_name(output) ? manifest_path(output) : output;
 }
 
-bool lies_in(const std::string& path, const std::string& folder) {
-  std::error_code error;
-  const auto whole = std::filesystem::weakly_canonical(path, error);
-  const auto outer = std::filesystem::weakly_canonical(folder, error);
-  return std::mismatch(outer.begin(), outer.end(), whole.begin(), whole.end()).first == outer.end();
-}
-
 /// Refuses a directory without a job's record that holds anything else.
 Result<void> check_work_directory(const std::string& path) {
   if (exists(record_path(path))) return {};
-  std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(path, error)) {
-    const std::string name = entry.path().filename().string();
+  if (!is_directory(path)) return {};
+  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
+  for (const std::string& name : names)
     if (name != "lock" && name != "job.json.part")
       return Error{Fault::kFailed,
                    fmt::format("{}: found {}, expected an empty or new work directory; use another "
                                "--work-dir",
                                path, name)};
-  }
   return {};
 }
 

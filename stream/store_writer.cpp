@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <filesystem>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "stream/bytes.h"
@@ -22,16 +20,13 @@ bool is_store_file(const std::string& name) {
 
 /// Refuses to remove a directory that holds anything but a store.
 Result<void> check_removable(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) return {};
-  for (std::filesystem::directory_iterator it(path, error), end; !error && it != end;
-       it.increment(error)) {
-    if (!is_store_file(it->path().filename().string()))
+  if (!exists(path)) return {};
+  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
+  for (const std::string& name : names)
+    if (!is_store_file(name))
       return Error{Fault::kFailed,
                    fmt::format("{}: holds {}, which is no part of a store; choose another name",
-                               path, it->path().filename().string())};
-  }
-  if (error) return Error{Fault::kFailed, fmt::format("{}: {}", path, error.message())};
+                               path, name)};
   return {};
 }
 
@@ -113,7 +108,7 @@ Result<void> StoreWriter::cut_segments() {
   std::uint32_t extra = 0;
   if (!manifest_.tiles.empty()) {
     const TileInfo& last = manifest_.tiles.back();
-    PSS_ASSIGN(File file, File::open_or_create(segment_path(path_, last.segment)));
+    PSS_ASSIGN(File file, File::open_to_write(segment_path(path_, last.segment)));
     PSS_ASSIGN(const std::uint64_t size, file.size());
     segment_number_ = last.segment;
     segment_size_ = last.offset + last.size;

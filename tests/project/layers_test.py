@@ -1,4 +1,5 @@
-"""The layers core <- io <- stream <- apps, and the few files that name each library."""
+"""The layers core <- io <- stream <- apps, the few files that name each library, and the one door
+to the disk."""
 
 import pathlib
 import re
@@ -15,6 +16,17 @@ LIBRARIES = {
     r"lz4": ("stream", 1),
     r"xxhash": ("stream", 1),
     r"CLI/": ("apps", 2),
+}
+# Headers and words by which a program reaches the disk, and the files that may use them.
+DISK_HEADER = re.compile(
+    r"fcntl\.h|glob\.h|dirent\.h|filesystem|fstream|sys/(stat|statvfs|file|mman|uio|sendfile)\.h")
+DISK_WORD = re.compile(
+    r"std::filesystem|\bstd::(fopen|remove|rename|tmpfile)\b|\b(fopen|fdopen|freopen|mkstemp|mkdtemp)\(|"
+    r"(?<![\w.>:])::(open|creat|read|write|pread|pwrite|rename|unlink|mkdir|rmdir|stat|fsync|fdatasync|"
+    r"ftruncate|truncate|close)\(")
+DISK_FILES = {
+    "io/disk_posix.cpp",
+    "stream/memory.cpp",  # reads what the kernel says of memory in /proc and /sys: no disk
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
@@ -54,6 +66,18 @@ def spread(root):
     return found
 
 
+def doors(root):
+    """Files beside io/disk_posix.cpp that reach the disk themselves."""
+    found = [f"{path} includes {name}" for path, name in includes(root)
+             if str(path) not in DISK_FILES and DISK_HEADER.fullmatch(name)]
+    for layer in LAYERS:
+        for path in sorted((root / layer).rglob("*")):
+            name = str(path.relative_to(root))
+            if path.suffix in (".h", ".cpp") and name not in DISK_FILES:
+                found += [f"{name} says {word.group()}" for word in DISK_WORD.finditer(path.read_text())]
+    return found
+
+
 class Layers(unittest.TestCase):
     def test_no_layer_includes_one_above_it(self):
         self.assertEqual(upward(ROOT), [])
@@ -63,6 +87,9 @@ class Layers(unittest.TestCase):
 
     def test_each_library_is_named_in_few_files(self):
         self.assertEqual(spread(ROOT), [])
+
+    def test_one_file_is_the_door_to_the_disk(self):
+        self.assertEqual(doors(ROOT), [])
 
     def test_the_real_tree_is_what_is_looked_at(self):
         self.assertGreater(len(list(includes(ROOT))), 100)
@@ -86,6 +113,12 @@ class LayersOfABadTree(unittest.TestCase):
     def test_a_library_in_a_wrong_folder_is_found(self):
         self.write("io/a.cpp", "#include <tbb/parallel_for.h>\n")
         self.assertEqual(spread(self.root), ["io/a.cpp names tbb/"])
+
+    def test_a_second_door_to_the_disk_is_found(self):
+        self.write("stream/a.cpp", "#include <fstream>\n")
+        self.write("io/b.cpp", "int f = ::open(path, 0);\n")
+        self.write("io/disk_posix.cpp", "#include <fcntl.h>\nint f = ::open(path, 0);\n")
+        self.assertEqual(doors(self.root), ["stream/a.cpp includes fstream", "io/b.cpp says ::open("])
 
     def test_a_library_in_too_many_files_is_found(self):
         for name in "ab":

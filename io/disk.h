@@ -1,0 +1,60 @@
+#pragma once
+// The system calls of the file layer, a function each, so that a test can link another disk.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pss::disk {
+
+/// What a call gives: 0 or more is its value, less is an errno, negated. A call does no more than
+/// its system call does: reads and writes may be short, and each may be interrupted (EINTR).
+using Outcome = std::int64_t;
+
+enum class Open { kRead, kCreate, kOpenOrCreate, kReadWrite };
+enum class Kind { kFile, kDirectory, kOther };
+enum class Links { kFollow, kKeep };
+enum class Lock { kShared, kExclusive };
+
+struct Status {
+  Kind kind = Kind::kOther;
+  std::uint64_t size = 0;
+  std::int64_t modified_ns = 0;
+  std::uint64_t device = 0;
+  std::uint64_t inode = 0;
+};
+
+/// Gives a descriptor, which close() gives back. Never waits, not even for a pipe's writer.
+Outcome open(const std::string& path, Open how);
+void close(int descriptor);
+/// Gives the number of bytes; 0 at the end of the file.
+Outcome read(int descriptor, std::uint64_t offset, std::span<std::byte> out);
+Outcome write(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes);
+Outcome truncate(int descriptor, std::uint64_t size);
+/// fsync, not fdatasync: a job knows its output again by the time of its last change, too.
+Outcome sync(int descriptor);
+/// Never waits: -EWOULDBLOCK where another process holds it.
+Outcome lock(int descriptor, Lock kind);
+Outcome status(int descriptor, Status& out);
+Outcome status(const std::string& path, Links links, Status& out);
+
+/// The names in a directory, in any order, without . and ..
+Outcome list(const std::string& path, std::vector<std::string>& names);
+/// The paths that a pattern of *, ? and [...] matches, by name; -ENOENT where there is none.
+Outcome match(const std::string& pattern, std::vector<std::string>& paths);
+Outcome make_directory(const std::string& path);
+Outcome remove_directory(const std::string& path);
+Outcome remove_file(const std::string& path);
+Outcome rename(const std::string& from, const std::string& to);
+/// -EEXIST where `to` is there; -EINVAL or -ENOSYS where the file system has no such call.
+Outcome rename_to_free(const std::string& from, const std::string& to);
+/// Makes the names in a directory durable.
+Outcome sync_directory(const std::string& path);
+
+Outcome free_space(const std::string& path, std::uint64_t& bytes);
+/// The path without links and dots, as far as it exists; as it is where that cannot be told.
+std::string canonical(const std::string& path);
+
+}  // namespace pss::disk
