@@ -2,16 +2,23 @@
 
 #include <utility>
 
+#include "core/parallel.h"
+#include "stream/stopwatch.h"
+
 namespace pss {
 namespace {
 
-constexpr std::uint64_t kSyncBytes = 32u << 20;
+constexpr std::uint64_t kSyncBytes = 256u << 20;
 constexpr std::chrono::seconds kSyncTime{2};
 
 }  // namespace
 
-Committer::Committer(StoreWriter& writer, const Operator& op)
-    : writer_(writer), operator_(op), thread_([this] { run(); }) {}
+Committer::Committer(StoreWriter& writer, const Operator& op,
+                     std::function<void(bool done)> on_memory)
+    : writer_(writer),
+      operator_(op),
+      on_memory_(std::move(on_memory)),
+      thread_([this] { run(); }) {}
 
 Committer::~Committer() {
   {
@@ -54,6 +61,7 @@ void Committer::run() {
     lock.unlock();
     Result<void> done = commit(part);
     part = {};  // its memory goes back before anyone hears that it is done
+    on_memory_(true);
     lock.lock();
     busy_ = false;
     if (!done) {
@@ -66,9 +74,44 @@ void Committer::run() {
   }
 }
 
-Result<void> Committer::commit(FinishedPart& part) {
-  for (std::size_t b = 0; b < part.blocks.size(); ++b) {
-    PSS_TRY(writer_.append(part.blocks[b]));
+Result<void> Committer::commit(FinishedPart& finished) {
+  const Stopwatch compressing;
+  const std::vector<EncodedBlock> blocks = encode(finished.part);
+  finished.part.own = {};
+  finished.part.rows = {};
+  std::uint64_t bytes = 0;
+  for (const EncodedBlock& block : blocks) bytes += block.bytes.capacity();
+  finished.part.memory.shrink_to(bytes);
+  on_memory_(false);
+  times_.compressing += compressing.seconds();
+  const Stopwatch writing;
+  PSS_TRY(write(finished, blocks));
+  times_.writing += writing.seconds();
+  return {};
+}
+
+std::vector<EncodedBlock> Committer::encode(const Part& part) const {
+  const Schema& schema = operator_.result_header().schema;
+  std::vector<std::size_t> starts;
+  std::size_t start = 0;
+  for (const std::uint32_t points : part.block_counts) {
+    starts.push_back(start);
+    start += points;
+  }
+  std::vector<EncodedBlock> blocks(part.block_counts.size());
+  parallel_for(blocks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b)
+      blocks[b] =
+          encode_block(schema, std::span(part.own).subspan(starts[b], part.block_counts[b]),
+                       std::span(part.rows).subspan(starts[b] * schema.row_size(),
+                                                    part.block_counts[b] * schema.row_size()));
+  });
+  return blocks;
+}
+
+Result<void> Committer::write(FinishedPart& part, const std::vector<EncodedBlock>& blocks) {
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    PSS_TRY(writer_.append(blocks[b]));
     operator_.merge_note(note_, part.notes[b]);
   }
   if (!part.last_of_tile) return {};

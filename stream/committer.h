@@ -1,9 +1,10 @@
 #pragma once
-// Writes finished parts to the result store on a thread of its own, in order.
+// Compresses finished parts and writes them to the result store on a thread of its own, in order.
 
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -16,21 +17,28 @@
 
 namespace pss {
 
-/// A computed part, compressed.
+/// A computed part.
 struct FinishedPart {
   Cell cell;
   bool last_of_tile = false;
-  std::vector<EncodedBlock> blocks;
+  Part part;
   std::vector<std::vector<std::byte>> notes;  ///< one a block
-  Reservation memory;                         ///< of `blocks`
 };
 
-/// Appends parts to a store in the order given, and commits each tile with its last part.
+/// What committing took, in seconds.
+struct CommitTimes {
+  double compressing = 0;
+  double writing = 0;
+};
+
+/// Compresses parts, appends them to a store in the order given, and commits each tile with its
+/// last part.
 ///
 /// Destroyed before everything is drained, it still writes what is queued: finished tiles count.
 class Committer {
  public:
-  Committer(StoreWriter& writer, const Operator& op);
+  /// `on_memory(done)` is told when a part has given back some memory, and when it is done.
+  Committer(StoreWriter& writer, const Operator& op, std::function<void(bool done)> on_memory);
   ~Committer();
   Committer(const Committer&) = delete;
   Committer& operator=(const Committer&) = delete;
@@ -39,15 +47,21 @@ class Committer {
   Result<void> push(FinishedPart part);
   /// Waits until everything queued is in the store.
   Result<void> drain();
+  /// Requires: drained.
+  CommitTimes times() const { return times_; }
 
  private:
   using Clock = std::chrono::steady_clock;
   void run();
   Result<void> commit(FinishedPart& part);
+  Result<void> write(FinishedPart& part, const std::vector<EncodedBlock>& blocks);
+  std::vector<EncodedBlock> encode(const Part& part) const;
   Result<void> failure_locked() const;
 
   StoreWriter& writer_;
   const Operator& operator_;
+  std::function<void(bool)> on_memory_;
+  CommitTimes times_;
   Clock::time_point last_sync_ = Clock::now();
   std::vector<std::byte> note_;  ///< of the tile that is being written
   std::mutex mutex_;

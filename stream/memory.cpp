@@ -78,6 +78,16 @@ std::optional<Reservation> MemoryBudget::reserve(std::uint64_t bytes) {
   return Reservation(this, bytes);
 }
 
+bool MemoryBudget::grow(Reservation& reservation, std::uint64_t bytes) {
+  if (bytes <= reservation.bytes_) return true;
+  auto more = reserve(bytes - reservation.bytes_);
+  if (!more) return false;
+  reservation.budget_ = this;
+  reservation.bytes_ = bytes;
+  more->budget_ = nullptr;  // it is the other's now
+  return true;
+}
+
 std::uint64_t minimum_limit(int threads) {
   return 80 * kMiB + 8 * kMiB * static_cast<std::uint64_t>(threads);
 }

@@ -43,6 +43,8 @@ class MemoryBudget {
 
   /// Takes `bytes` as a whole or not at all.
   std::optional<Reservation> reserve(std::uint64_t bytes);
+  /// Grows a reservation of this budget, or an empty one, to `bytes`, or leaves it as it is.
+  bool grow(Reservation& reservation, std::uint64_t bytes);
 
  private:
   friend class Reservation;

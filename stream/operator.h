@@ -2,7 +2,6 @@
 // What maps a tile and its halo to new rows.
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -13,9 +12,16 @@
 
 namespace pss {
 
+/// What a loaded part turned out to need.
+struct Preparation {
+  bool wider = false;  ///< some of part.around have a wider reach now: load the candidates again
+  std::uint64_t ball_points = 0;  ///< more than part.ball_points: room for so many; otherwise 0
+};
+
 /// An operator over one source: a part in, the same part with new positions and rows out.
 ///
-/// Thread: const members from one thread at a time; they spread work with parallel_for.
+/// Thread: const members from any number at once, one part by one; they spread work with
+///         parallel_for.
 class Operator {
  public:
   virtual ~Operator() = default;
@@ -26,12 +32,13 @@ class Operator {
   /// What of the source its parts hold.
   virtual PartNeeds needs() const = 0;
 
-  /// How far around a part to load at first.
-  virtual double first_reach() const = 0;
+  /// What to load around a part: where its points are not known yet, and for a part whose own
+  /// points are loaded.
+  virtual std::vector<Surround> around(const PartPlan& plan) const = 0;
+  virtual std::vector<Surround> around(const PartPlan& plan, const Part& part) const = 0;
 
-  /// Prepares a loaded part; a value is the range with the reach, or with the points in a ball,
-  /// that it really needs, to be loaded again with.
-  virtual std::optional<PartRange> prepare(Part& part) const = 0;
+  /// Prepares a loaded part, as far as that goes with what is loaded.
+  virtual Preparation prepare(Part& part) const = 0;
 
   /// What a planned part holds in memory at most while it is worked on, its result included.
   virtual std::uint64_t bytes(const PartPlan& plan) const = 0;

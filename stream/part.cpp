@@ -41,18 +41,58 @@ void sort_by_key(std::vector<Index3>& points, std::vector<Normal>& normals) {
   normals = permuted(normals, order);
 }
 
-/// How many points lie within reach of any one own point, at most: by blocks.
-std::uint64_t largest_ball(const Lattice& lattice, const PartPlan& plan) {
-  const double reach_sq = plan.range.reach * plan.range.reach;
-  std::uint64_t largest = 0;
-  for (const BlockInfo& own : plan.own) {
-    std::uint64_t points = 0;
-    for (const BlockRef& near : plan.near)
-      if (distance_sq(lattice, near.block.box, own.box) <= reach_sq) points += near.block.count;
-    largest = std::max(largest, points);
+/// A squared distance that decides what is loaded: more does no harm, so rounding may err that way.
+constexpr double kRoomForRounding = 1 + 1e-12;
+
+double gap_sq(const Lattice& lattice, const IndexBox& a, const IndexBox& b) {
+  double sum = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t gap =
+        std::max({a.min[axis] - b.max[axis], b.min[axis] - a.max[axis], std::int64_t{0}});
+    const double length = lattice.scale[axis] * static_cast<double>(gap);
+    sum += length * length;
   }
-  return largest;
+  return sum;
 }
+
+bool reaches(const Lattice& lattice, const Surround& surround, const IndexBox& box) {
+  return gap_sq(lattice, surround.box, box) <= surround.reach * surround.reach * kRoomForRounding;
+}
+
+bool contains(const IndexBox& outer, const IndexBox& inner) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (inner.min[a] < outer.min[a] || inner.max[a] > outer.max[a]) return false;
+  return true;
+}
+
+/// Decides which points of one block some surround reaches.
+class Wanted {
+ public:
+  Wanted(const Lattice& lattice, const PartPlan& plan, const BlockRef& near)
+      : lattice_(lattice), plan_(plan), near_(near) {
+    for (const std::uint32_t s : near.around) all_ |= contains(plan.around[s].box, near.block.box);
+  }
+
+  bool operator()(const Index3& p) {
+    if (all_) return true;
+    const IndexBox box{p, p};
+    // Consecutive points are mostly wanted by the same one.
+    if (last_ && reaches(lattice_, *last_, box)) return true;
+    for (const std::uint32_t s : near_.around) {
+      if (!reaches(lattice_, plan_.around[s], box)) continue;
+      last_ = &plan_.around[s];
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  const Lattice& lattice_;
+  const PartPlan& plan_;
+  const BlockRef& near_;
+  const Surround* last_ = nullptr;
+  bool all_ = false;
+};
 
 }  // namespace
 
@@ -61,6 +101,21 @@ PartLoader::PartLoader(const Store& source, const PartNeeds& needs)
       needs_(needs),
       exclusion_(source.header().schema),
       tiles_(tile_boxes(source)) {}
+
+void Part::drop_candidates() {
+  grid.reset();
+  candidates = {};
+  normals = {};
+  halo = 0;
+}
+
+void Part::drop_surroundings() {
+  const std::uint64_t counted = halo;
+  drop_candidates();
+  halo = counted;
+  around = {};
+  supports = {};
+}
 
 Result<PartPlan> PartLoader::plan(const PartRange& range) const {
   PartPlan plan;
@@ -71,31 +126,58 @@ Result<PartPlan> PartLoader::plan(const PartRange& range) const {
     plan.own_points += plan.own.back().count;
     plan.box.add(plan.own.back().box);
   }
-  const Lattice& lattice = source_.header().lattice;
-  const double reach_sq = range.reach * range.reach;
-  for (const std::size_t tile : tiles_.within(lattice, plan.box, range.reach)) {
-    PSS_ASSIGN(std::vector<BlockInfo> blocks, source_.read_index(tile));
-    for (BlockInfo& block : blocks) {
-      if (distance_sq(lattice, block.box, plan.box) > reach_sq) continue;
-      plan.near_points += block.count;
-      plan.near.push_back({tile, std::move(block)});
-    }
-  }
-  plan.ball_points = largest_ball(lattice, plan);
   return plan;
 }
 
-Result<Part> PartLoader::load(const PartPlan& plan) const {
-  Part part;
-  part.range = plan.range;
-  part.box = plan.box;
-  part.ball_points = plan.ball_points;
-  PSS_TRY(load_own(plan, part));
-  PSS_TRY(load_candidates(plan, part));
-  return part;
+/// The tiles that any surround reaches, ascending, and which surrounds reach into each.
+std::vector<std::vector<std::uint32_t>> PartLoader::surrounds_by_tile(
+    const std::vector<Surround>& around, std::vector<std::size_t>& tiles) const {
+  std::vector<std::pair<std::size_t, std::uint32_t>> pairs;
+  for (std::uint32_t s = 0; s < around.size(); ++s)
+    for (const std::size_t tile :
+         tiles_.within(source_.header().lattice, around[s].box, around[s].reach * kRoomForRounding))
+      pairs.emplace_back(tile, s);
+  std::ranges::sort(pairs);
+  std::vector<std::vector<std::uint32_t>> surrounds;
+  for (const auto& [tile, surround] : pairs) {
+    if (tiles.empty() || tiles.back() != tile) {
+      tiles.push_back(tile);
+      surrounds.emplace_back();
+    }
+    surrounds.back().push_back(surround);
+  }
+  return surrounds;
 }
 
-Result<void> PartLoader::load_own(const PartPlan& plan, Part& part) const {
+Result<void> PartLoader::plan_near(PartPlan& plan, std::uint64_t most_points) const {
+  const Lattice& lattice = source_.header().lattice;
+  plan.near.clear();
+  plan.near_points = plan.measured_ball = 0;
+  std::vector<std::uint64_t> balls(plan.around.size(), 0);
+  std::vector<std::size_t> tiles;
+  const auto surrounds = surrounds_by_tile(plan.around, tiles);
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    PSS_ASSIGN(std::vector<BlockInfo> blocks, source_.read_index(tiles[t]));
+    for (BlockInfo& block : blocks) {
+      BlockRef near{tiles[t], {}, {}};
+      for (const std::uint32_t s : surrounds[t]) {
+        if (!reaches(lattice, plan.around[s], block.box)) continue;
+        near.around.push_back(s);
+        balls[s] += block.count;
+      }
+      if (near.around.empty()) continue;
+      plan.near_points += block.count;
+      near.block = std::move(block);
+      if (plan.near_points <= most_points) plan.near.push_back(std::move(near));
+    }
+  }
+  plan.ball_points = balls.empty() ? 0 : *std::ranges::max_element(balls);
+  return {};
+}
+
+Result<Part> PartLoader::load_own(const PartPlan& plan) const {
+  Part part;
+  part.range = plan.range;
   const TileInfo& tile = source_.tiles()[plan.range.tile];
   const std::size_t source_size = source_.header().schema.row_size();
   part.first_row = plan.own.empty() ? tile.first_row : plan.own.front().first_row;
@@ -113,33 +195,40 @@ Result<void> PartLoader::load_own(const PartPlan& plan, Part& part) const {
     part.block_counts.push_back(block.count);
     done += block.count;
   }
-  return {};
+  return part;
 }
 
-Result<void> PartLoader::read_near(const BlockRef& near, NearBlock& block) const {
+Result<void> PartLoader::read_near(const BlockRef& near, const Part& part, NearBlock& block) const {
   const TileInfo& tile = source_.tiles()[near.tile];
   block.positions.resize(near.block.count);
   block.excluded.assign(near.block.count, 0);
-  PSS_TRY(source_.read_positions(tile, near.block, block.positions));
+  const std::uint64_t first = near.block.first_row - part.first_row;
+  if (near.block.first_row >= part.first_row && first < part.own.size())
+    std::copy_n(part.own.begin() + static_cast<std::ptrdiff_t>(first), near.block.count,
+                block.positions.begin());
+  else
+    PSS_TRY(source_.read_positions(tile, near.block, block.positions));
   if (exclusion_.active()) PSS_TRY(exclusion_.mark(source_, tile, near.block, block.excluded));
   if (!needs_.normals) return {};
   block.normals.resize(near.block.count);
   return needs_.normals->read(source_, tile, near.block, block.normals);
 }
 
-Result<void> PartLoader::load_candidates(const PartPlan& plan, Part& part) const {
+Result<void> PartLoader::load_near(const PartPlan& plan, Part& part) const {
   const Lattice& lattice = source_.header().lattice;
-  const double reach_sq = plan.range.reach * plan.range.reach;
+  part.drop_candidates();
+  part.around = plan.around;
+  part.ball_points = plan.ball_points;
   part.candidates.reserve(plan.near_points);
   if (needs_.normals) part.normals.reserve(plan.near_points);
   NearBlock block;
   for (const BlockRef& near : plan.near) {
-    PSS_TRY(read_near(near, block));
+    PSS_TRY(read_near(near, part, block));
     const std::uint64_t row = near.block.first_row;
     const bool is_own = row >= part.first_row && row < part.first_row + plan.own_points;
+    Wanted wanted(lattice, plan, near);
     for (std::size_t i = 0; i < block.positions.size(); ++i) {
-      if (block.excluded[i] || distance_sq(lattice, block.positions[i], plan.box) > reach_sq)
-        continue;
+      if (block.excluded[i] || !wanted(block.positions[i])) continue;
       part.candidates.push_back(block.positions[i]);
       if (needs_.normals) part.normals.push_back(block.normals[i]);
       part.halo += is_own ? 0 : 1;

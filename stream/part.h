@@ -30,14 +30,21 @@ struct PartRange {
   std::size_t tile = 0;
   std::size_t first_block = 0;
   std::size_t block_count = 0;
-  double reach = 0;               ///< how far around its points others are loaded
-  std::uint64_t ball_points = 0;  ///< at most so many lie within reach of one; 0: not measured
+};
+
+/// Some of a part's own points, and how far around them others are loaded.
+struct Surround {
+  IndexBox box;
+  double reach = 0;
+  PointRange own{0, 0};  ///< which points, where an operator wants to know
+  bool certain = false;  ///< for an operator: all that they need has been found
 };
 
 /// A block of the source that a part needs.
 struct BlockRef {
   std::size_t tile = 0;
   BlockInfo block;
+  std::vector<std::uint32_t> around;  ///< the numbers of the surrounds that reach into it
 };
 
 /// What loading a part will read, known from the block indexes alone.
@@ -45,26 +52,33 @@ struct PartPlan {
   PartRange range;
   IndexBox box;                ///< of the part's own points
   std::vector<BlockInfo> own;  ///< in row order
-  std::vector<BlockRef> near;  ///< all blocks within reach of the box, own ones among them
   std::uint64_t own_points = 0;
-  std::uint64_t near_points = 0;  ///< at most so many candidates
-  std::uint64_t ball_points = 0;  ///< at most so many within reach of one point, by blocks
+  std::vector<Surround> around;     ///< what else to load; nothing where empty
+  std::vector<BlockRef> near;       ///< all blocks within reach, own ones among them
+  std::uint64_t near_points = 0;    ///< at most so many candidates
+  std::uint64_t ball_points = 0;    ///< at most so many within reach of one point, by blocks
+  std::uint64_t measured_ball = 0;  ///< the same, counted; 0: not yet
 };
 
 /// A part in memory, on its way through an operator.
 struct Part {
   PartRange range;
-  IndexBox box;
   std::uint64_t first_row = 0;
   std::vector<std::uint32_t> block_counts;  ///< points of each own block
   std::vector<Index3> own;                  ///< own positions in row order
   std::vector<std::byte> rows;  ///< result rows; each begins with what is kept of the point's own
+  std::vector<Surround> around;
   std::vector<Index3> candidates;  ///< all points within reach that may be neighbours, by key
   std::vector<Normal> normals;     ///< of the candidates, where the operator wants them
   std::uint64_t halo = 0;          ///< candidates that are not the part's own
-  std::uint64_t ball_points = 0;   ///< of its plan
+  std::uint64_t ball_points = 0;   ///< at most so many within reach of one point: what is reserved
+  std::optional<CellGrid> grid;    ///< over the candidates, where an operator made one
   std::vector<Support> supports;   ///< an operator's widths of each own point, where they differ
   Reservation memory;
+
+  void drop_candidates();
+  /// Lets go of all but the own points and their rows.
+  void drop_surroundings();
 };
 
 /// Plans and loads the parts of one source.
@@ -76,11 +90,18 @@ class PartLoader {
 
   const Store& source() const { return source_; }
 
+  /// The own blocks alone.
   Result<PartPlan> plan(const PartRange& range) const;
+  /// Adds what lies around: the blocks within reach of plan.around.
+  ///
+  /// Beyond `most_points` blocks are counted, not kept.
+  Result<void> plan_near(PartPlan& plan, std::uint64_t most_points) const;
 
-  /// Reads a planned part. Candidates come sorted by key, those of one place in row order, the
-  /// excluded left out.
-  Result<Part> load(const PartPlan& plan) const;
+  /// Reads the own points of a plan and their rows.
+  Result<Part> load_own(const PartPlan& plan) const;
+  /// Replaces the candidates by those of a plan: sorted by key, those of one place in row order,
+  /// the excluded left out.
+  Result<void> load_near(const PartPlan& plan, Part& part) const;
 
  private:
   /// A block on its way into the candidates.
@@ -89,9 +110,9 @@ class PartLoader {
     std::vector<Normal> normals;
     std::vector<std::uint8_t> excluded;
   };
-  Result<void> load_own(const PartPlan& plan, Part& part) const;
-  Result<void> load_candidates(const PartPlan& plan, Part& part) const;
-  Result<void> read_near(const BlockRef& near, NearBlock& block) const;
+  std::vector<std::vector<std::uint32_t>> surrounds_by_tile(const std::vector<Surround>& around,
+                                                            std::vector<std::size_t>& tiles) const;
+  Result<void> read_near(const BlockRef& near, const Part& part, NearBlock& block) const;
 
   const Store& source_;
   PartNeeds needs_;

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
+#include <utility>
 
 #include "core/neighbours.h"
 #include "core/parallel.h"
@@ -12,6 +15,28 @@ namespace pss {
 namespace {
 
 constexpr int kMostRefinement = 256;
+
+/// What tasks leave for those that come after them, so that each thread makes one.
+template <class T>
+class Spares {
+ public:
+  std::unique_ptr<T> take() {
+    const std::lock_guard lock(mutex_);
+    if (spares_.empty()) return nullptr;
+    std::unique_ptr<T> spare = std::move(spares_.back());
+    spares_.pop_back();
+    return spare;
+  }
+
+  void give(std::unique_ptr<T> spare) {
+    const std::lock_guard lock(mutex_);
+    spares_.push_back(std::move(spare));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<T>> spares_;
+};
 
 /// The largest step count that a move of `length` can take on any axis.
 double steps(const Lattice& lattice, double length) {
@@ -84,13 +109,19 @@ Result<void> ProjectOperator::choose_columns(const Schema& source) {
   return {};
 }
 
+/// A place is asked for once, so copies of it stay together: of however many, where blocks let
+/// them.
 std::vector<ProjectOperator::Chunk> ProjectOperator::chunks_of(const Part& part) {
   std::vector<Chunk> chunks;
   std::size_t start = 0;
   for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
     const std::size_t end = start + part.block_counts[b];
-    for (; start < end; start += chunks.back().count)
-      chunks.push_back({b, start, std::min(kChunkPoints, end - start)});
+    while (start < end) {
+      std::size_t next = std::min(start + kChunkPoints, end);
+      while (next < end && part.own[next] == part.own[next - 1]) ++next;
+      chunks.push_back({b, start, next - start});
+      start = next;
+    }
   }
   return chunks;
 }
@@ -110,23 +141,32 @@ std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& 
   const std::vector<Chunk> chunks = chunks_of(part);
   std::vector<ProjectStatistics> statistics(chunks.size());
   assert(!needs_normals(parameters_.method.op) || part.normals.size() == part.candidates.size());
-  const CellGrid grid(source_lattice_, part.candidates, std::max(usual_reach(), kSmallestReach));
+  if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, kSmallestReach);
+  Spares<Worker> workers;
   parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
-    Projector projector(grid, parameters_.method, {part.normals, oriented_});
-    QueryBatch batch;
+    std::unique_ptr<Worker> worker = workers.take();
+    if (!worker)
+      worker = std::make_unique<Worker>(*part.grid, parameters_.method,
+                                        CloudNormals{part.normals, oriented_});
     for (std::size_t c = begin; c < end && !monitor.stopping(); ++c) {
-      const Chunk& chunk = chunks[c];
-      fill(part, chunk.first, chunk.count, batch);
-      batch.project(projector);
-      for (std::size_t i = 0; i < chunk.count; ++i) {
-        Projection projection = batch.answer(i);
-        place(projection, part, chunk.first + i);
-        statistics[c].add(projection);
-      }
-      monitor.advance(chunk.count);
+      statistics[c] = project(chunks[c], *worker, part);
+      monitor.advance(chunks[c].count);
     }
+    workers.give(std::move(worker));
   });
   return notes_of(part, chunks, statistics);
+}
+
+ProjectStatistics ProjectOperator::project(const Chunk& chunk, Worker& worker, Part& part) const {
+  ProjectStatistics statistics;
+  fill(part, chunk.first, chunk.count, worker.batch);
+  worker.batch.project(worker.projector);
+  for (std::size_t i = 0; i < chunk.count; ++i) {
+    Projection projection = worker.batch.answer(i);
+    place(projection, part, chunk.first + i);
+    statistics.add(projection);
+  }
+  return statistics;
 }
 
 void ProjectOperator::fill(const Part& part, std::size_t first, std::size_t count,

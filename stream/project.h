@@ -18,7 +18,7 @@ struct ProjectParameters {
   Method method;
   Support support;         ///< of every query, unless `nearest` is set
   int nearest = 0;         ///< the query owns its support: `factor` * distance to its k-th nearest
-  double factor = 1;       ///< radius / that distance; h follows by radius_factor(method.degree)
+  double factor = 1;       ///< radius / that distance; h follows from it and the method
   double cap = 0;          ///< a k-th nearest farther than this leaves the query isolated
   double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
   OutputSet outputs = 0;
@@ -47,8 +47,9 @@ class ProjectOperator : public Operator {
 
   const StoreHeader& result_header() const override { return header_; }
   PartNeeds needs() const override { return needs_; }
-  double first_reach() const override;
-  std::optional<PartRange> prepare(Part& part) const override;
+  std::vector<Surround> around(const PartPlan& plan) const override;
+  std::vector<Surround> around(const PartPlan& plan, const Part& part) const override;
+  Preparation prepare(Part& part) const override;
   std::uint64_t bytes(const PartPlan& plan) const override;
   std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
   void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
@@ -67,6 +68,14 @@ class ProjectOperator : public Operator {
     std::size_t first;
     std::size_t count;
   };
+  /// What a thread computes a chunk with.
+  struct Worker {
+    Worker(const CellGrid& grid, const Method& method, const CloudNormals& normals)
+        : projector(grid, method, normals) {}
+    Projector projector;
+    QueryBatch batch;
+  };
+  ProjectStatistics project(const Chunk& chunk, Worker& worker, Part& part) const;
   static std::vector<Chunk> chunks_of(const Part& part);
   static std::vector<std::vector<std::byte>> notes_of(
       const Part& part, const std::vector<Chunk>& chunks,
@@ -78,12 +87,21 @@ class ProjectOperator : public Operator {
   /// Memory of a candidate, and of the tasks that run at once.
   std::uint64_t bytes_per_candidate() const;
   std::uint64_t bytes_for_tasks(const PartPlan& plan) const;
-  /// The points of a ball that a part has room for; `by_blocks` is what its blocks allow.
-  static std::uint64_t reserved_ball(const PartRange& range, std::uint64_t by_blocks);
+  /// The points of a ball that a part has room for.
+  static std::uint64_t reserved_ball(const PartPlan& plan);
+  /// How far to load around the part's blocks, where each point owns its support: a guess.
+  double first_reach() const;
+  /// A reach that holds what most points of a group need, from their neighbours in key order.
+  double guessed_reach(std::span<const Index3> own, const PointRange& group) const;
+  double grid_radius(const Part& part) const;
   /// How far the widest own point of a loaded part looks.
   double widest_reach(const Part& part) const;
-  /// Fills the supports of a part from k-th distances; gives the reach that makes them certain.
-  double find_supports(Part& part) const;
+  double reach_of_own(const Part& part, std::size_t i) const;
+  /// Fills the supports of a part from k-th distances; whether some need more than is loaded.
+  bool find_supports(Part& part) const;
+  void find_supports(Part& part, Surround& group) const;
+  /// More than any ball of the part holds, point by point: the number for the fullest.
+  std::uint64_t fullest_ball(const Part& part) const;
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
   /// How far a query with this support looks, and one with a typical support.

@@ -1,9 +1,14 @@
 // What parts of a projection need: how far they look, and how much memory that takes.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
+#include "core/support.h"
 #include "stream/ball_bound.h"
+#include "stream/block.h"
+#include "stream/key_groups.h"
 #include "stream/project.h"
 
 namespace pss {
@@ -12,12 +17,14 @@ namespace {
 /// What is reserved for the points of a ball before they are counted: twelve times as many as lie
 /// within reach of a point at h = 2 spacings.
 constexpr std::uint64_t kUsualBall = 2048;
+/// Points that are surrounded together where each owns its support.
+constexpr std::size_t kGroupPoints = 256;
+constexpr std::size_t kGuessStep = 4;  ///< of so many points one is asked for a guess
 
 }  // namespace
 
 Support ProjectOperator::support_at(double distance) const {
-  const double radius = parameters_.factor * distance;
-  return {radius / radius_factor(parameters_.method.degree), radius};
+  return support_of_radius(parameters_.factor * distance, parameters_.method);
 }
 
 double ProjectOperator::reach_of(const Support& support) const {
@@ -36,31 +43,75 @@ double ProjectOperator::usual_reach() const {
 double ProjectOperator::first_reach() const {
   if (parameters_.buffer) return *parameters_.buffer;
   if (!parameters_.nearest) return largest_reach();
-  // Half more than the typical query needs: most parts are certified at the first loading.
+  // Half more than the typical query needs.
   return std::min(largest_reach(), 1.5 * usual_reach());
+}
+
+std::vector<Surround> ProjectOperator::around(const PartPlan& plan) const {
+  std::vector<Surround> around;
+  if (largest_reach() <= 0) return around;
+  for (const BlockInfo& block : plan.own) around.push_back({block.box, first_reach()});
+  return around;
+}
+
+std::vector<Surround> ProjectOperator::around(const PartPlan& plan, const Part& part) const {
+  if (!parameters_.nearest || largest_reach() <= 0) return around(plan);
+  std::vector<Surround> around;
+  for (const PointRange& group : key_groups(part.own, kGroupPoints)) {
+    const auto own = std::span(part.own).subspan(group.begin, group.end - group.begin);
+    around.push_back({box_of(own), 0, group});
+  }
+  parallel_for(around.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g)
+      around[g].reach = parameters_.buffer.value_or(guessed_reach(part.own, around[g].own));
+  });
+  return around;
+}
+
+/// The k positions after a point in key order, or those before it, are no nearer than its k
+/// nearest; where the order does not leap away from it, they are not much farther either.
+double ProjectOperator::guessed_reach(std::span<const Index3> own, const PointRange& group) const {
+  const auto k = static_cast<std::size_t>(parameters_.nearest);
+  const double nothing = std::numeric_limits<double>::infinity();
+  const auto farthest = [&](std::size_t i, std::size_t first) {
+    double most = 0;
+    for (std::size_t j = first; j < first + k; ++j)
+      most = std::max(most, distance_sq(source_lattice_, own[i], own[j]));
+    return most;
+  };
+  double guess_sq = 0;
+  for (std::size_t i = group.begin; i < group.end; i += kGuessStep) {
+    const double after = i + k < own.size() ? farthest(i, i + 1) : nothing;
+    const double before = i >= k ? farthest(i, i - k) : nothing;
+    const double nearer = std::min(before, after);
+    if (nearer < nothing) guess_sq = std::max(guess_sq, nearer);
+  }
+  if (guess_sq == 0) return first_reach();  // too few points to tell, or copies of one
+  return std::min(largest_reach(), reach_of(support_at(std::sqrt(guess_sq))));
 }
 
 std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
   const std::uint64_t row = bytes_per_row();
   const std::uint64_t own = sizeof(Index3) + row + (parameters_.nearest ? sizeof(Support) : 0);
-  // The result is compressed when the question how many points a ball may hold is long answered.
+  // The result is compressed when what lies around is gone.
   const std::uint64_t encoded = plan.own_points * (row + sizeof(Index3) + row / 64 + 1);
-  const std::uint64_t cells = ball_bound_bytes(plan.near_points);
-  return plan.own_points * own + std::max(encoded, cells) +
-         plan.near_points * bytes_per_candidate() + CellGrid::bytes_for(plan.near_points) +
-         bytes_for_tasks(plan);
+  const std::uint64_t near = plan.near_points * bytes_per_candidate() +
+                             CellGrid::bytes_for(plan.near_points) +
+                             plan.around.size() * sizeof(Surround) +
+                             std::max(ball_bound_bytes(plan.near_points), bytes_for_tasks(plan));
+  return plan.own_points * own + std::max(encoded, near);
 }
 
 std::uint64_t ProjectOperator::bytes_for_tasks(const PartPlan& plan) const {
   const std::uint64_t chunks = plan.own_points / kChunkPoints + plan.own.size();
   const std::uint64_t tasks = std::min(static_cast<std::uint64_t>(thread_count()), chunks);
-  const std::uint64_t ball = largest_reach() > 0 ? reserved_ball(plan.range, plan.ball_points) : 0;
+  const std::uint64_t ball = largest_reach() > 0 ? reserved_ball(plan) : 0;
   return tasks *
          (Projector::bytes_for(ball, parameters_.method.op) + QueryBatch::bytes_for(kChunkPoints));
 }
 
-std::uint64_t ProjectOperator::reserved_ball(const PartRange& range, std::uint64_t by_blocks) {
-  return std::min(by_blocks, range.ball_points ? range.ball_points : kUsualBall);
+std::uint64_t ProjectOperator::reserved_ball(const PartPlan& plan) {
+  return std::min(plan.ball_points, plan.measured_ball ? plan.measured_ball : kUsualBall);
 }
 
 std::uint64_t ProjectOperator::bytes_per_candidate() const {
@@ -70,52 +121,89 @@ std::uint64_t ProjectOperator::bytes_per_candidate() const {
   return both + (source_ordered_ ? 0 : sizeof(std::uint32_t) + sizeof(Index3));
 }
 
-std::optional<PartRange> ProjectOperator::prepare(Part& part) const {
-  if (part.own.empty() || largest_reach() <= 0) return std::nullopt;
-  PartRange needed = part.range;
-  if (parameters_.nearest) {
-    const double reach = std::min(find_supports(part), largest_reach());
-    if (reach > needed.reach && !parameters_.buffer) {
-      needed.reach = reach;
-      return needed;
-    }
-  }
-  const std::uint64_t reserved = reserved_ball(part.range, part.ball_points);
+Preparation ProjectOperator::prepare(Part& part) const {
+  if (part.own.empty() || largest_reach() <= 0) return {};
+  if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, grid_radius(part));
+  if (parameters_.nearest && find_supports(part)) return {true, 0};
+  const std::uint64_t reserved = std::min(part.ball_points, kUsualBall);
   const std::uint64_t bound =
       ball_bound(source_lattice_, part.candidates, widest_reach(part), reserved);
-  if (std::min(bound, part.ball_points) <= reserved) return std::nullopt;
-  needed.ball_points = bound;
-  return needed;
+  if (std::min(bound, part.ball_points) <= reserved) return {};
+  const std::uint64_t counted = std::min({bound, part.ball_points, fullest_ball(part)});
+  return {false, counted <= reserved ? 0 : counted};
+}
+
+/// What cells should suit: the usual ball here.
+double ProjectOperator::grid_radius(const Part& part) const {
+  if (!parameters_.nearest || part.around.empty()) return std::max(usual_reach(), kSmallestReach);
+  std::vector<double> reaches;
+  for (const Surround& group : part.around) reaches.push_back(group.reach);
+  const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);
+  std::ranges::nth_element(reaches, middle);
+  // Groups are surrounded about twice as far as their points look.
+  return std::max(*middle / 2, kSmallestReach);
+}
+
+double ProjectOperator::reach_of_own(const Part& part, std::size_t i) const {
+  return parameters_.nearest ? reach_of(part.supports[i]) : largest_reach();
 }
 
 double ProjectOperator::widest_reach(const Part& part) const {
-  if (!parameters_.nearest) return std::min(largest_reach(), part.range.reach);
+  double loaded = 0;
+  for (const Surround& surround : part.around) loaded = std::max(loaded, surround.reach);
+  if (!parameters_.nearest) return std::min(largest_reach(), loaded);
   double widest = 0;
   for (const Support& support : part.supports) widest = std::max(widest, reach_of(support));
-  return std::min(widest, part.range.reach);
+  return std::min(widest, loaded);
 }
 
-double ProjectOperator::find_supports(Part& part) const {
-  part.supports.assign(part.own.size(), Support{});
-  const double loaded = part.range.reach;
-  const double cap = std::min(parameters_.cap, loaded);
-  const CellGrid grid(source_lattice_, part.candidates, std::max(loaded, kSmallestReach));
+std::uint64_t ProjectOperator::fullest_ball(const Part& part) const {
   const std::size_t chunk_count = (part.own.size() + kChunkPoints - 1) / kChunkPoints;
-  std::vector<double> needed(chunk_count, 0);
+  std::vector<std::uint64_t> most(chunk_count, 0);
   parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<PointRange> ranges;
     for (std::size_t i = begin * kChunkPoints; i < std::min(end * kChunkPoints, part.own.size());
          ++i) {
-      const std::optional<double> distance =
-          grid.kth_distance(part.own[i], parameters_.nearest, cap);
-      if (distance) part.supports[i] = support_at(*distance);
-      double& most = needed[i / kChunkPoints];
-      if (distance)
-        most = std::max({most, *distance, reach_of(part.supports[i])});
-      else if (loaded < parameters_.cap)
-        most = std::max(most, 2 * loaded);
+      if (i > 0 && part.own[i] == part.own[i - 1]) continue;
+      const double reach = reach_of_own(part, i);
+      if (reach <= 0) continue;
+      part.grid->gather_ranges({part.own[i], part.own[i]}, reach, ranges);
+      std::uint64_t points = 0;
+      for (const PointRange& range : ranges) points += range.end - range.begin;
+      most[i / kChunkPoints] = std::max(most[i / kChunkPoints], points);
     }
   });
-  return *std::ranges::max_element(needed);
+  return *std::ranges::max_element(most);
+}
+
+bool ProjectOperator::find_supports(Part& part) const {
+  part.supports.resize(part.own.size());
+  parallel_for(part.around.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t g = begin; g < end; ++g)
+      if (!part.around[g].certain) find_supports(part, part.around[g]);
+  });
+  return !std::ranges::all_of(part.around, &Surround::certain);
+}
+
+/// Nothing within the group's reach is missing, so k positions found there are the k nearest.
+void ProjectOperator::find_supports(Part& part, Surround& group) const {
+  const double loaded = group.reach;
+  const double widest = parameters_.buffer.value_or(largest_reach());
+  double needed = 0;
+  std::optional<double> last;  // of the position before, which is often the same
+  for (std::size_t i = group.own.begin; i < group.own.end; ++i) {
+    if (i == group.own.begin || part.own[i] != part.own[i - 1])
+      last = part.grid->kth_distance(part.own[i], parameters_.nearest,
+                                     std::min(parameters_.cap, loaded));
+    part.supports[i] = last ? support_at(*last) : Support{};
+    if (last)
+      needed = std::max({needed, *last, reach_of(part.supports[i])});
+    else if (loaded < parameters_.cap)
+      needed = std::max(needed, loaded > 0 ? 2 * loaded : widest);
+  }
+  needed = std::min(needed, widest);
+  group.certain = needed <= loaded;
+  if (!group.certain) group.reach = needed;
 }
 
 }  // namespace pss

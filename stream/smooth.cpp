@@ -110,17 +110,21 @@ Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
   report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
   report_.plan_seconds = planning.seconds();
   const Stopwatch sorting;
+  const Transfer before = transferred();
   PSS_ASSIGN(report_.ingest,
              ingest(plan, work.input_store(), work.path(), options, budget_, monitor_));
   report_.ingest_seconds = sorting.seconds();
+  report_.ingest_transfer = transferred_since(before);
   return Store::open(work.input_store());
 }
 
 Result<ChosenWidths> SmoothRun::choose(const Store& source) {
   const Stopwatch watch;
+  const Transfer before = transferred();
   PSS_ASSIGN(ChosenWidths widths, choose_widths(source, job_.options.widths,
                                                 method_of(job_.options), budget_, monitor_));
   report_.spacing_seconds = watch.seconds();
+  report_.spacing_transfer = transferred_since(before);
   monitor_.note(widths.why);
   return widths;
 }
@@ -149,17 +153,21 @@ Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
 /// The first pass: the sorted input again, each point with a normal.
 Result<void> SmoothRun::compute_normals(const Store& source, const WorkDirectory& work) {
   const Stopwatch watch;
+  const Transfer before = transferred();
   PSS_ASSIGN(const ProjectOperator op, normals_operator(source, job_, report_.widths));
   PSS_ASSIGN(StoreWriter result, run_stage("normals", source, op, work.normals_store()));
   report_.normals_seconds = watch.seconds();
+  report_.normals_transfer = transferred_since(before);
   return result.complete() ? Result<void>() : result.finish("{}");
 }
 
 Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) {
   const Stopwatch watch;
+  const Transfer before = transferred();
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths));
   PSS_ASSIGN(StoreWriter result, run_stage("smooth", source, op, work.result_store()));
   report_.smooth_seconds = watch.seconds();
+  report_.smooth_transfer = transferred_since(before);
   return result.complete() ? Result<void>() : result.finish(result_summary(report_));
 }
 
@@ -184,6 +192,7 @@ Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& 
 
 Result<void> SmoothRun::write(const WorkDirectory& work) {
   const Stopwatch watch;
+  const Transfer before = transferred();
   std::optional<Store> result;
   PSS_ASSIGN(result, Store::open(work.result_store()));
   read_result_summary(result->summary(), report_);
@@ -207,6 +216,7 @@ Result<void> SmoothRun::write(const WorkDirectory& work) {
     if (written.grid) report_.rounding_step = *std::ranges::max_element(written.grid->scale);
   }
   report_.write_seconds = watch.seconds();
+  report_.write_transfer = transferred_since(before);
   return {};
 }
 

@@ -14,6 +14,7 @@
 #include "stream/outputs.h"
 #include "stream/project_statistics.h"
 #include "stream/scheduler.h"
+#include "stream/transfer.h"
 #include "stream/widths.h"
 
 namespace pss {
@@ -64,6 +65,7 @@ struct SmoothReport {
   double rounding_step = 0;  ///< largest axis step of the written grid; 0 for floating point
   double plan_seconds = 0, ingest_seconds = 0, spacing_seconds = 0, normals_seconds = 0,
          smooth_seconds = 0, write_seconds = 0, total_seconds = 0;
+  Transfer ingest_transfer, spacing_transfer, normals_transfer, smooth_transfer, write_transfer;
   std::uint64_t store_bytes = 0;   ///< of the sorted input on disk
   std::uint64_t result_bytes = 0;  ///< of the result store
   std::uint64_t peak_memory = 0;

@@ -38,15 +38,40 @@ ordered_json statuses_json(const ProjectStatistics& statistics) {
   return statuses;
 }
 
+double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
 ordered_json schedule_json(const ScheduleSummary& schedule) {
   const double own = static_cast<double>(schedule.own_points);
   return {{"tiles", schedule.tiles},
           {"resumed_tiles", schedule.resumed_tiles},
           {"parts", schedule.parts},
           {"reloaded_parts", schedule.reloaded_parts},
-          {"halo_share", own > 0 ? static_cast<double>(schedule.halo_points) / own : 0},
+          {"halo_share", share(static_cast<double>(schedule.halo_points), own)},
           {"compute_seconds", schedule.compute_seconds},
-          {"wait_seconds", schedule.wait_seconds}};
+          {"wait_seconds", schedule.wait_seconds},
+          {"wait_share",
+           {{"reading", share(schedule.wait_reading, schedule.seconds)},
+            {"memory", share(schedule.wait_memory, schedule.seconds)},
+            {"commit", share(schedule.wait_commit, schedule.seconds)}}},
+          {"load_seconds", schedule.load_seconds},
+          {"encode_seconds", schedule.encode_seconds},
+          {"write_seconds", schedule.write_seconds}};
+}
+
+ordered_json transfer_json(const Transfer& transfer, std::uint64_t points) {
+  const auto count = static_cast<double>(points);
+  return {{"read", share(static_cast<double>(transfer.read), count)},
+          {"written", share(static_cast<double>(transfer.written), count)}};
+}
+
+/// Bytes a point of the output, by stage.
+ordered_json transfers_json(const SmoothReport& report) {
+  const std::uint64_t points = report.points_out;
+  return {{"ingest", transfer_json(report.ingest_transfer, points)},
+          {"spacing", transfer_json(report.spacing_transfer, points)},
+          {"normals", transfer_json(report.normals_transfer, points)},
+          {"smooth", transfer_json(report.smooth_transfer, points)},
+          {"write", transfer_json(report.write_transfer, points)}};
 }
 
 /// Points by what became of them; in = out + dropped.
@@ -119,6 +144,7 @@ std::string to_json(const SmoothReport& report) {
   j["schedule"] = schedule_json(report.schedule);
   j["seconds"] = seconds_json(report);
   j["bytes"] = {{"sorted_input", report.store_bytes}, {"result", report.result_bytes}};
+  j["bytes_per_point"] = transfers_json(report);
   j["memory"] = {{"peak", report.peak_memory}, {"limit", report.memory_limit}};
   j["threads"] = report.threads;
   j["notes"] = report.notes;

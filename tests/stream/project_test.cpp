@@ -31,7 +31,10 @@ std::uint64_t limit_leaving(std::uint64_t bytes) {
 std::uint64_t bytes_of_first_tile(const Store& source, const ProjectParameters& parameters) {
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
   const PartLoader loader(source, op.needs());
-  return op.bytes(expect_value(loader.plan({0, 0, source.tiles()[0].blocks, op.largest_reach()})));
+  PartPlan plan = expect_value(loader.plan({0, 0, source.tiles()[0].blocks}));
+  plan.around = op.around(plan);
+  expect_ok(loader.plan_near(plan, source.points()));
+  return op.bytes(plan);
 }
 
 TEST(Project, EqualsTheSameComputationInMemory) {
@@ -127,18 +130,33 @@ TEST(Narrowed, SupportsReachNoFartherThanTheWidth) {
   }
 }
 
+/// Every point three times: in key order, fewer places follow a point than it looks for.
+Cloud thrice(const Cloud& cloud) {
+  Cloud copies;
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
+    for (int copy = 0; copy < 3; ++copy) {
+      copies.positions.push_back(cloud.positions[i]);
+      copies.rows.push_back(cloud.rows[i]);
+    }
+  return copies;
+}
+
 TEST(Project, WidensTheHaloUntilEveryKthNeighbourIsCertain) {
   TemporaryDirectory folder;
-  const Cloud cloud = wave(3);
-  const Store source = store_of(cloud, folder / "s.pss", {2500, 5000});
+  const Store source = store_of(thrice(wave(3)), folder / "s.pss", {7500, 15000});
+  ProjectParameters wide = nearest_support();
+  wide.buffer = 9;  // holds what the cap allows: nothing is widened
+  const Cloud expected = project(source, wide, folder / "wide.pss");
   const ProjectOperator op = expect_value(ProjectOperator::create(source, nearest_support()));
   StoreWriter writer = expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
   MemoryBudget budget(512 * kMiB, 1);
   Monitor monitor;
 
   const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+  expect_ok(writer.finish("{}"));
 
   EXPECT_GT(summary.reloaded_parts, 0u);
+  expect_equal(expect_value(read_all(expect_value(Store::open(folder / "r.pss")))), expected);
 }
 
 TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
