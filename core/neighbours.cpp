@@ -6,7 +6,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
+#include "core/parallel.h"
 #include "core/touched_cells.h"
 
 namespace pss {
@@ -100,16 +102,48 @@ class Smallest {
   std::vector<double> heap_;
 };
 
+/// Points that one task looks at when a grid is made.
+constexpr std::size_t kBlockPoints = std::size_t{1} << 15;
+
+/// How many points are parted from the one before by the borders of cells: element s of those that
+/// only a side of 2^s unites.
+using Borders = std::array<std::uint32_t, kLatticeBits + 1>;
+
+std::size_t block_count(std::size_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
+
+/// Calls visit(block, begin, end) for ranges of points, in parallel.
+template <class Visit>
+void for_each_block(std::size_t points, Visit visit) {
+  parallel_for(block_count(points), 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b)
+      visit(b, b * kBlockPoints, std::min(points, (b + 1) * kBlockPoints));
+  });
+}
+
+/// The borders within each block and at its front.
+std::vector<Borders> count_borders(std::span<const Index3> points) {
+  std::vector<Borders> borders(block_count(points.size()));
+  for_each_block(points.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+    Borders counts{};
+    for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i)
+      ++counts[static_cast<std::size_t>(common_shift(points[i - 1], points[i]))];
+    borders[block] = counts;
+  });
+  return borders;
+}
+
+/// How many of the borders remain where cells have the side 2^shift.
+std::size_t borders_above(const Borders& borders, int shift) {
+  return std::accumulate(borders.begin() + shift + 1, borders.end(), std::size_t{0});
+}
+
 /// The finest cells, at least of side 2^shift, that hold kPointsPerCell points on average.
-int affordable_shift(std::span<const Index3> points, int shift) {
-  std::array<std::size_t, kLatticeBits + 1> borders{};  // borders[s]: pairs first united by side s
-  for (std::size_t i = 1; i < points.size(); ++i)
-    ++borders[static_cast<std::size_t>(common_shift(points[i - 1], points[i]))];
-  std::size_t cells = 1;
+int affordable_shift(const std::vector<Borders>& borders, std::size_t points, int shift) {
   int affordable = kLatticeBits;
   for (; affordable > shift; --affordable) {
-    cells += borders[static_cast<std::size_t>(affordable)];
-    if (cells > points.size() / kPointsPerCell + 1) break;
+    std::size_t cells = 1;
+    for (const Borders& block : borders) cells += borders_above(block, affordable - 1);
+    if (cells > points / kPointsPerCell + 1) break;
   }
   return affordable;
 }
@@ -130,19 +164,27 @@ CellGrid::CellGrid(const Lattice& lattice, std::span<const Index3> points, doubl
   if (points.empty()) return;
   // Finer cells than one ball would like best: many balls together use smaller ones.
   const int best = BallBox(lattice, {points[points.size() / 2]}, radius).shift();
-  shift_ = affordable_shift(points, std::max(best - kFiner, 0));
+  const std::vector<Borders> borders = count_borders(points);
+  shift_ = affordable_shift(borders, points.size(), std::max(best - kFiner, 0));
+  std::vector<std::size_t> firsts;  // cells before those that begin in each block
   std::size_t count = 1;
-  for (std::size_t i = 1; i < points.size(); ++i)
-    count += common_shift(points[i - 1], points[i]) > shift_;
-  cells_.reserve(count);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (i == 0 || common_shift(points[i - 1], points[i]) > shift_)
-      cells_.push_back({cell_of(encode_key(points[i]), kLatticeBits - shift_).first,
-                        static_cast<std::uint32_t>(i), CellPlace::of(points[i], shift_)});
+  for (const Borders& block : borders) {
+    firsts.push_back(firsts.empty() ? 0 : count);
+    count += borders_above(block, shift_);
+  }
+  cells_.resize(count);
+  for_each_block(points.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
+    std::size_t cell = firsts[block];
+    for (std::size_t i = begin; i < end; ++i)
+      if (i == 0 || common_shift(points[i - 1], points[i]) > shift_)
+        cells_[cell++] = {cell_of(encode_key(points[i]), kLatticeBits - shift_).first,
+                          static_cast<std::uint32_t>(i), CellPlace::of(points[i], shift_)};
+  });
 }
 
 std::size_t CellGrid::bytes_for(std::size_t points) {
-  return (points / kPointsPerCell + 1) * sizeof(Entry);
+  return (points / kPointsPerCell + 1) * sizeof(Entry) +
+         block_count(points) * (sizeof(Borders) + 2 * sizeof(std::size_t));
 }
 
 std::size_t CellGrid::end_of(std::size_t entry) const {

@@ -184,6 +184,7 @@ class Group {
 class Run {
  public:
   static constexpr std::size_t kMost = 512;
+  static constexpr double kSpan = 6;  // the side of the box in reaches
 
   Run(const simd::Batch& batch, std::span<const std::uint32_t> which) : batch_(&batch) {
     for (const std::uint32_t i : which) {
@@ -201,7 +202,7 @@ class Run {
   bool add(std::uint32_t i) {
     const Query& query = batch_->queries[i];
     const double wanted = pss::reach(batch_->method.weight, batch_->support(i));
-    const double span = 4 * (count_ > 0 ? std::min(reach_, wanted) : wanted);
+    const double span = kSpan * (count_ > 0 ? std::min(reach_, wanted) : wanted);
     IndexBox box;
     for (std::size_t a = 0; a < 3; ++a) {
       box.min[a] = std::min(box_.min[a], query.position[a]);
