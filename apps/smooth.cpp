@@ -103,8 +103,8 @@ class Smooth : public Command {
     SmoothOptions& options = job_.options;
     WidthOptions& widths = options.widths;
     arguments.option("--radius", "R",
-                     "Support radius: weights reach zero there [3 h; order 4: 4 h]", widths.radius,
-                     parse_positive);
+                     "Support radius: weights reach zero there [3 h; order 4: 4 h; weight pcl: h]",
+                     widths.radius, parse_positive);
     arguments.option("--h", "H", "Width of the Gaussian [2 to 6 spacings, measured]", widths.h,
                      parse_positive);
     arguments.option("--knn", "K",

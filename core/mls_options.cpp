@@ -7,17 +7,14 @@
 #include <string>
 #include <utility>
 
+#include "core/support.h"
+
 namespace pss {
 namespace {
 
 constexpr int kMostNearest = 10000;
 constexpr double kWidthsPerSpacing = 2;  ///< h over the spacing, without noise
 constexpr double kCapSpacings = 10;      ///< default cap of the distance to a k-th neighbour
-
-/// The default radius over h.
-double factor_of(const Method& method) {
-  return radius_factor(needs_normals(method.op) ? kNormalsDegree : method.degree);
-}
 
 Error usage(std::string message) { return {Fault::kUsage, std::move(message)}; }
 
@@ -55,27 +52,24 @@ Result<void> check_options(const MlsOptions& options) {
   return check_widths(options);
 }
 
-Support support_of_radius(double radius, const Method& method) {
-  return {radius / factor_of(method), radius};
-}
-
 double widest_reach(const MlsWidths& widths, const Method& method) {
   if (widths.nearest == 0) return reach(method.weight, widths.support);
   return std::max(widths.cap, reach(method.weight, support_of_radius(widths.cap, method)));
 }
 
 MlsWidths choose_widths(const MlsOptions& options, const SortedCloud& cloud) {
-  const double factor = factor_of(options.method);
   const auto spacings = [&](double count) { return count * spacing_of(cloud).value_or(0); };
   MlsWidths widths;
   widths.nearest = options.knn;
   if (options.knn > 0) {
     widths.cap = options.radius > 0 ? options.radius : spacings(kCapSpacings);
   } else if (options.radius > 0) {
-    widths.support = {options.h > 0 ? options.h : options.radius / factor, options.radius};
+    widths.support = support_of_radius(options.radius, options.method);
+    if (options.h > 0) widths.support.h = options.h;
+  } else if (options.h > 0) {
+    widths.support = support_of_h(options.h, options.method);
   } else {
-    const double h = options.h > 0 ? options.h : spacings(kWidthsPerSpacing);
-    widths.support = {h, factor * h};
+    widths.support = support_of_width(spacings(kWidthsPerSpacing), options.method);
   }
   return widths;
 }

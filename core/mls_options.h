@@ -19,7 +19,8 @@ namespace pss {
 struct MlsOptions {
   Method method;
   double h = 0;       ///< width of the weight; 0: from `radius`
-  double radius = 0;  ///< where the weight ends, at least h; 0: 3 h, and 4 h for degree 4
+  double radius = 0;  ///< where the weight ends, at least h; 0: 3 h, and 4 h for degree 4, h for
+                      ///< the weight of PCL
   int knn = 0;        ///< each query's radius is the distance to this neighbour, at most `radius`
                       ///< (0: 10 spacings); h is not given then
   std::optional<Lattice> lattice;  ///< that the points stand on; by default a fine one around them
@@ -39,9 +40,6 @@ Result<void> check_options(const MlsOptions& options);
 ///
 /// Requires: checked options.
 MlsWidths choose_widths(const MlsOptions& options, const SortedCloud& cloud);
-
-/// The support of a query whose radius is given.
-Support support_of_radius(double radius, const Method& method);
 
 /// How far from the query the widest of all looks.
 double widest_reach(const MlsWidths& widths, const Method& method);

@@ -8,6 +8,7 @@
 
 #include "core/morton.h"
 #include "core/parallel.h"
+#include "core/support.h"
 #include "core/vec3.h"
 
 namespace pss {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/projector.h"
+#include "core/support.h"
 #include "stream/stopwatch.h"
 
 namespace pss {
@@ -51,7 +52,7 @@ Patch patch_for(double neighbours, const Support& support) {
 }  // namespace
 
 double seconds_per_point(const Method& method, double neighbours) {
-  const Support support{1, radius_factor(method.degree)};
+  const Support support = support_of_h(1, method);
   const Patch patch = patch_for(std::clamp(neighbours, 3.0, kMostNeighbours), support);
   const CellGrid grid(kPatchLattice, patch.points, reach(method.weight, support));
   Projector projector(grid, method, {patch.normals, true});

@@ -83,7 +83,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   const double per_tile = kUsualTilePoints * job.options.tile_points / kTilePoints;
   estimate.tiles = static_cast<std::uint64_t>(static_cast<double>(plan.points) / per_tile) + 1;
   estimate.parts = estimate.tiles;
-  estimate.widths = choose_widths(job.options.widths, std::nullopt);
+  estimate.widths = choose_widths(job.options.widths, estimate.method, std::nullopt);
   if (needs_spacing(job.options.widths))
     estimate.widths.why = "spacing and noise are measured once the points are sorted";
   // Perimeter over area of a square tile, at the default reach of 7 spacings.

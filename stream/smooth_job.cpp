@@ -44,7 +44,7 @@ json parameters_of(const SmoothJob& job) {
 std::optional<double> known_reach(const SmoothOptions& options) {
   const WidthOptions& widths = options.widths;
   if (needs_spacing(widths) || widths.knn) return std::nullopt;
-  const ChosenWidths chosen = choose_widths(widths, std::nullopt);
+  const ChosenWidths chosen = choose_widths(widths, method_of(options), std::nullopt);
   return reach(options.weight, {chosen.h, chosen.radius});
 }
 

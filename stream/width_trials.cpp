@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/projector.h"
+#include "core/support.h"
 #include "core/vec3.h"
 #include "stream/sheets.h"
 #include "stream/surroundings.h"
@@ -55,8 +56,7 @@ class Trials {
         method_{MlsOperator::kFast, method.weight, Precision::kDouble, method.degree} {}
 
   Support support(double unit, std::size_t trial) const {
-    const double h = kTriedWidths[trial] * unit;
-    return {h, radius_factor(method_.degree) * h};
+    return support_of_width(kTriedWidths[trial] * unit, method_);
   }
 
   void add(const Surroundings& around) {
@@ -124,7 +124,7 @@ class Trials {
     reading.disturbed = disturbed(trial);
     reading.residual_sq = residual * residual;
     reading.area = std::numbers::pi * support.radius * support.radius / p.neighbours;
-    reading.bend = support.h * unit * larger_curvature(p);
+    reading.bend = kTriedWidths[trial] * unit * larger_curvature(p);
     if (next && usable(*next) && !disturbed(trial + 1)) {
       const double change = dot(next->displacement - p.displacement, p.normal) / unit;
       reading.change_sq = change * change;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/support.h"
+
 namespace pss {
 namespace {
 
@@ -15,11 +17,13 @@ constexpr double kIsolatedMedians = 16;  ///< a d16 beyond so many medians is is
 
 Error usage(std::string message) { return {Fault::kUsage, std::move(message)}; }
 
-ChosenWidths by_hand(const WidthOptions& options) {
-  const double factor = radius_factor(options.degree);
+ChosenWidths by_hand(const WidthOptions& options, const Method& method) {
+  const Support support = options.radius ? support_of_radius(*options.radius, method)
+                                         : support_of_h(*options.h, method);
   ChosenWidths widths;
-  widths.h = options.h.value_or(options.radius.value_or(0) / factor);
-  widths.radius = options.radius.value_or(factor * widths.h);
+  widths.h = options.h.value_or(support.h);
+  widths.radius = support.radius;
+  const double factor = radius_over_h(method);
   widths.why = options.radius && options.h ? "radius and h as given"
                : options.h                 ? fmt::format("h as given, radius {} h", factor)
                            : fmt::format("radius as given, h = radius / {}", factor);
@@ -39,29 +43,29 @@ ChosenWidths by_nearest(const WidthOptions& options, const std::optional<Spacing
   return widths;
 }
 
-ChosenWidths by_varying_spacing(const WidthOptions& options, const Spacing& spacing,
+ChosenWidths by_varying_spacing(const Method& method, const Spacing& spacing,
                                 const WidthChoice& choice) {
+  const Support support = support_of_width(choice.multiple, method);
   ChosenWidths widths;
   widths.nearest = kSpacingRank;
-  widths.factor = radius_factor(options.degree) * choice.multiple * spacing_of_d16(1);
+  widths.factor = support.radius * spacing_of_d16(1);
   widths.cap = kIsolatedMedians * spacing.d16;
   widths.typical = spacing.d16;
   widths.why = fmt::format(
       "the spacing varies ({:.4g} to {:.4g} between its 10th and 90th percentile), so each point's "
       "h is {:.3g} times its own, from its {}. neighbour",
-      spacing_of_d16(spacing.d16_low), spacing_of_d16(spacing.d16_high), choice.multiple,
-      kSpacingRank);
+      spacing_of_d16(spacing.d16_low), spacing_of_d16(spacing.d16_high), support.h, kSpacingRank);
   return widths;
 }
 
-ChosenWidths by_spacing(const WidthOptions& options, const Spacing& spacing,
-                        const WidthChoice& choice) {
+ChosenWidths by_spacing(const Method& method, const Spacing& spacing, const WidthChoice& choice) {
+  const Support support = support_of_width(choice.multiple, method);
   ChosenWidths widths;
-  widths.h = choice.multiple * spacing.spacing;
-  widths.radius = radius_factor(options.degree) * widths.h;
+  widths.h = support.h * spacing.spacing;
+  widths.radius = support.radius * spacing.spacing;
   widths.why = fmt::format(
       "h is {:.3g} times the measured spacing of {:.4g} ({} sampled positions), radius {} h",
-      choice.multiple, spacing.spacing, spacing.sample, radius_factor(options.degree));
+      support.h, spacing.spacing, spacing.sample, radius_over_h(method));
   return widths;
 }
 
@@ -79,12 +83,12 @@ std::string reasons(const Noise& noise, const WidthChoice& choice) {
   return text;
 }
 
-ChosenWidths by_measuring(const WidthOptions& options, const Spacing& spacing,
+ChosenWidths by_measuring(const Method& method, const Spacing& spacing,
                           const std::optional<Noise>& noise) {
   const WidthChoice choice = noise ? choose_width(*noise) : WidthChoice{};
-  ChosenWidths widths = spacing.varying() ? by_varying_spacing(options, spacing, choice)
-                                          : by_spacing(options, spacing, choice);
-  const double radius = radius_factor(options.degree) * choice.multiple;
+  ChosenWidths widths = spacing.varying() ? by_varying_spacing(method, spacing, choice)
+                                          : by_spacing(method, spacing, choice);
+  const double radius = support_of_width(choice.multiple, method).radius;
   widths.neighbours = std::numbers::pi * radius * radius;
   if (noise)
     widths.why += fmt::format("; {}; about {:.0f} neighbours a point", reasons(*noise, choice),
@@ -117,18 +121,19 @@ bool needs_spacing(const WidthOptions& options) { return !options.radius && !opt
 
 bool needs_noise(const WidthOptions& options) { return needs_spacing(options) && !options.knn; }
 
-ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spacing>& spacing,
+ChosenWidths choose_widths(const WidthOptions& options, const Method& method,
+                           const std::optional<Spacing>& spacing,
                            const std::optional<Noise>& noise) {
   ChosenWidths widths;
   if (!needs_spacing(options)) {
-    widths = options.knn ? by_nearest(options, spacing) : by_hand(options);
+    widths = options.knn ? by_nearest(options, spacing) : by_hand(options, method);
   } else if (!spacing) {
     widths.why = fmt::format("fewer than {} distinct positions: no spacing, nothing moves",
                              kSpacingRank + 1);
   } else if (options.knn) {
     widths = by_nearest(options, spacing);
   } else {
-    widths = by_measuring(options, *spacing, noise);
+    widths = by_measuring(method, *spacing, noise);
   }
   widths.spacing = spacing;
   return widths;
@@ -136,13 +141,13 @@ ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spac
 
 Result<ChosenWidths> choose_widths(const Store& store, const WidthOptions& options,
                                    const Method& method, MemoryBudget& budget, Monitor& monitor) {
-  if (!needs_spacing(options)) return choose_widths(options, std::nullopt);
+  if (!needs_spacing(options)) return choose_widths(options, method, std::nullopt);
   PSS_ASSIGN(const SpacingSample sample, sample_spacing(store, budget, monitor));
   std::optional<Noise> noise;
   if (sample.spacing && needs_noise(options)) {
     PSS_ASSIGN(noise, measure_noise(store, sample, method, budget, monitor));
   }
-  return choose_widths(options, sample.spacing, noise);
+  return choose_widths(options, method, sample.spacing, noise);
 }
 
 }  // namespace pss

@@ -44,7 +44,8 @@ bool needs_noise(const WidthOptions& options);
 /// Requires: checked options; `spacing` where it is needed and could be measured.
 ///
 /// Without `noise`, h is two spacings.
-ChosenWidths choose_widths(const WidthOptions& options, const std::optional<Spacing>& spacing,
+ChosenWidths choose_widths(const WidthOptions& options, const Method& method,
+                           const std::optional<Spacing>& spacing,
                            const std::optional<Noise>& noise = std::nullopt);
 
 /// Measures what the choice for this projection needs, and chooses: a pure function of the points.

@@ -268,6 +268,8 @@ TEST(MlsSurface, MakesHAndRadiusFollowFromEachOther) {
   EXPECT_EQ(support({.h = 0.5}).radius, 1.5);
   EXPECT_EQ(support({.method = {.degree = 4}, .h = 0.5}).radius, 2);
   EXPECT_EQ(support({.radius = 1.5}).h, 0.5);
+  EXPECT_EQ(support({.method = {.weight = WeightKind::kPcl}, .radius = 1.5}).h, 1.5);
+  EXPECT_EQ(support({.method = {.weight = WeightKind::kPcl}, .h = 1.5}).radius, 1.5);
   EXPECT_EQ(support({.h = 0.5, .radius = 0.75}).radius, 0.75);
 }
 

@@ -18,13 +18,15 @@ using test::Points;
 using test::store_of;
 using test::synth_points;
 
+constexpr Method kMethod;
+
 Spacing even_spacing(double spacing) {
   const double d16 = spacing / std::sqrt(std::numbers::pi / 16);
   return {spacing, d16, 0.8 * d16, 1.2 * d16, 4096};
 }
 
 TEST(Widths, AreTwoSpacingsAndThreeTimesThatWithoutAWord) {
-  const ChosenWidths widths = choose_widths({}, even_spacing(0.5));
+  const ChosenWidths widths = choose_widths({}, kMethod, even_spacing(0.5));
 
   EXPECT_DOUBLE_EQ(widths.h, 1.0);
   EXPECT_DOUBLE_EQ(widths.radius, 3.0);
@@ -32,26 +34,40 @@ TEST(Widths, AreTwoSpacingsAndThreeTimesThatWithoutAWord) {
 }
 
 TEST(Widths, ReachFourWidthsForDegreeFour) {
-  const ChosenWidths widths = choose_widths({.degree = 4}, even_spacing(0.5));
+  const ChosenWidths widths = choose_widths({.degree = 4}, Method{.degree = 4}, even_spacing(0.5));
 
   EXPECT_DOUBLE_EQ(widths.radius, 4.0);
 }
 
 TEST(Widths, FollowTheRadiusOrTheWidthThatIsGiven) {
-  const ChosenWidths by_radius = choose_widths({.radius = 6}, std::nullopt);
-  const ChosenWidths by_h = choose_widths({.h = 2}, std::nullopt);
-  const ChosenWidths by_both = choose_widths({.radius = 6, .h = 1.5}, std::nullopt);
+  const ChosenWidths by_radius = choose_widths({.radius = 6}, kMethod, std::nullopt);
+  const ChosenWidths by_h = choose_widths({.h = 2}, kMethod, std::nullopt);
+  const ChosenWidths by_both = choose_widths({.radius = 6, .h = 1.5}, kMethod, std::nullopt);
 
   EXPECT_DOUBLE_EQ(by_radius.h, 2);
   EXPECT_DOUBLE_EQ(by_h.radius, 6);
   EXPECT_DOUBLE_EQ(by_both.radius / by_both.h, 4);
 }
 
+TEST(Widths, AreOneForTheWeightOfPcl) {
+  const Method pcl{MlsOperator::kFast, WeightKind::kPcl};
+  for (const auto& [options, radius] :
+       {std::pair{WidthOptions{.radius = 6}, 6.0}, {WidthOptions{.h = 2}, 2.0}}) {
+    const ChosenWidths widths = choose_widths(options, pcl, std::nullopt);
+
+    EXPECT_EQ(widths.radius, radius);
+    EXPECT_EQ(widths.h, radius);
+  }
+  const ChosenWidths measured = choose_widths({}, pcl, even_spacing(0.5));
+  EXPECT_DOUBLE_EQ(measured.radius, 3) << "that of a Gaussian";
+  EXPECT_DOUBLE_EQ(measured.h, 3);
+}
+
 TEST(Widths, AreOwnedByEachPointWhereTheSpacingVariesFourfold) {
   Spacing spacing = even_spacing(1);
   spacing.d16_high = 4.01 * spacing.d16_low;
 
-  const ChosenWidths widths = choose_widths({}, spacing);
+  const ChosenWidths widths = choose_widths({}, kMethod, spacing);
 
   EXPECT_EQ(widths.nearest, 16);
   EXPECT_DOUBLE_EQ(widths.cap, 16 * spacing.d16);
@@ -60,12 +76,12 @@ TEST(Widths, AreOwnedByEachPointWhereTheSpacingVariesFourfold) {
 }
 
 TEST(Widths, CapTheNearestAtTenSpacingsOrAtTheRadius) {
-  EXPECT_DOUBLE_EQ(choose_widths({.knn = 30}, even_spacing(0.5)).cap, 5.0);
-  EXPECT_DOUBLE_EQ(choose_widths({.radius = 2, .knn = 30}, std::nullopt).cap, 2.0);
+  EXPECT_DOUBLE_EQ(choose_widths({.knn = 30}, kMethod, even_spacing(0.5)).cap, 5.0);
+  EXPECT_DOUBLE_EQ(choose_widths({.radius = 2, .knn = 30}, kMethod, std::nullopt).cap, 2.0);
 }
 
 TEST(Widths, MoveNothingWhereThereIsNoSpacing) {
-  const ChosenWidths widths = choose_widths({}, std::nullopt);
+  const ChosenWidths widths = choose_widths({}, kMethod, std::nullopt);
 
   EXPECT_EQ(widths.radius, 0);
   EXPECT_NE(widths.why.find("17"), std::string::npos);
