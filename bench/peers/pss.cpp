@@ -6,36 +6,50 @@
 #include <mutex>
 
 #include "bench/peers/contender.h"
-#include "core/monitor.h"
+#include "core/key_sort.h"
+#include "core/morton.h"
 #include "core/parallel.h"
 #include "core/projector.h"
-#include "stream/sort.h"
 
 namespace pss::bench {
 namespace {
 
 constexpr std::size_t kChunk = 4096;  // points a projector takes at once
 
+/// Leaves new elements as they come, so that those who fill an array in parallel touch it first.
+template <class T>
+struct Unfilled : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Unfilled<U>;
+  };
+  template <class U>
+  void construct(U*) const noexcept {}
+};
+
+template <class T>
+using Array = std::vector<T, Unfilled<T>>;
+
 /// Points in key order, and the place of each in the input.
 struct Sorted {
-  std::vector<Index3> points;
-  std::vector<std::uint32_t> rows;
+  Array<Index3> points;
+  Array<std::uint32_t> rows;
 };
 
 Sorted sort_points(const std::vector<Index3>& points) {
   const std::size_t n = points.size();
-  std::vector<SortEntry> entries(n), scratch(n);
+  Array<Key> keys(n);
   parallel_for(n, kChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      entries[i] = {encode_key(points[i]), static_cast<std::uint32_t>(i)};
+    for (std::size_t i = begin; i < end; ++i) keys[i] = encode_key(points[i]);
   });
+  Array<KeyEntry> entries(n), scratch(n);
   // Only a monitor that stops makes it fail.
-  static_cast<void>(sort_entries(entries, scratch, nullptr, 0, Monitor()));
-  Sorted sorted{std::vector<Index3>(n), std::vector<std::uint32_t>(n)};
+  static_cast<void>(sort_keys(keys, entries, scratch));
+  Sorted sorted{Array<Index3>(n), Array<std::uint32_t>(n)};
   parallel_for(n, kChunk, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      sorted.rows[i] = entries[i].row;
-      sorted.points[i] = points[entries[i].row];
+      sorted.rows[i] = entries[i].index;
+      sorted.points[i] = points[entries[i].index];
     }
   });
   return sorted;
@@ -67,15 +81,37 @@ class Pass {
   }
 
  private:
-  void project(std::size_t begin, std::size_t end) {
-    std::vector<Query> queries(end - begin);
-    for (std::size_t i = begin; i < end; ++i) queries[i - begin].position = sorted_.points[i];
-    std::vector<Projection> results(queries.size());
-    Projector(grid_, method_).project(queries, std::span(&support_, 1), results);
-    put(begin, results);
+  /// What a thread needs again for its next range.
+  struct Worker {
+    explicit Worker(const Pass& pass)
+        : projector(pass.grid_, pass.method_), queries(kChunk), results(kChunk) {}
+
+    Projector projector;
+    std::vector<Query> queries;
+    std::vector<Projection> results;
+  };
+
+  std::unique_ptr<Worker> take_worker() {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty()) return nullptr;
+    std::unique_ptr<Worker> worker = std::move(idle_.back());
+    idle_.pop_back();
+    return worker;
   }
 
-  void put(std::size_t begin, const std::vector<Projection>& results) {
+  void project(std::size_t begin, std::size_t end) {
+    std::unique_ptr<Worker> worker = take_worker();
+    if (!worker) worker = std::make_unique<Worker>(*this);
+    const std::span queries = std::span(worker->queries).first(end - begin);
+    const std::span results = std::span(worker->results).first(end - begin);
+    for (std::size_t i = begin; i < end; ++i) queries[i - begin].position = sorted_.points[i];
+    worker->projector.project(queries, std::span(&support_, 1), results);
+    put(begin, results);
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(worker));
+  }
+
+  void put(std::size_t begin, std::span<const Projection> results) {
     std::uint64_t neighbours = 0;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < results.size(); ++i) {
@@ -96,7 +132,8 @@ class Pass {
   Support support_;
   CellGrid grid_;
   Smoothed smoothed_;
-  std::mutex mutex_;
+  std::mutex mutex_;  // of what follows
+  std::vector<std::unique_ptr<Worker>> idle_;
   std::uint64_t neighbours_ = 0;
 };
 
