@@ -150,7 +150,11 @@ Result<void> WorkDirectory::remove_data() const {
 
 Result<void> WorkDirectory::clear() const {
   PSS_TRY(remove_data());
-  return remove_all(record_path(path_));
+  // Order: the data is gone before the record that tells whose it was. Otherwise a power cut could
+  // leave data that belongs to no job.
+  PSS_TRY(sync_directory(path_));
+  PSS_TRY(remove_all(record_path(path_)));
+  return sync_directory(path_);
 }
 
 std::optional<std::string> job_holder(const std::string& work_dir) {
