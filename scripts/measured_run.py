@@ -24,6 +24,7 @@ NOISE_CONSTANT = 0.631
 # The names that the program's report gives to what its progress calls stages.
 STAGES = {"read": "sort", "merge runs": "sort", "merge": "sort", "spacing": "widths",
           "smooth": "smooth", "write": "write"}
+REPORTED = {"sort": "ingest", "widths": "spacing", "smooth": "smooth", "write": "write"}
 
 
 def build():
