@@ -58,9 +58,9 @@ def check_disk(folder, points, kept=0):
     """Ends the program where the disk is too small, with so many results kept beside a job.
 
     A point takes 20 bytes in the scan, about 9 in the sorted input, as many in the runs it is made
-    from and 12 in the result; then 20 in the file that is written while the stores are there.
+    from and 12 in the result; then 20 in the file that is written while the result is there.
     """
-    needed = (61 + kept * RECORD) * points + 10**9
+    needed = (52 + kept * RECORD) * points + 10**9
     free = shutil.disk_usage(folder).free + sum(
         path.stat().st_size for path in folder.glob("scan-*.las"))
     print(f"{count_text(points)} points: {needed / 1e9:.1f} GB of disk needed, "

@@ -142,10 +142,15 @@ Result<void> WorkDirectory::write_record(const JobRecord& record) const {
   return replace_file(record_path(path_), std::as_bytes(std::span(text)));
 }
 
-Result<void> WorkDirectory::remove_data() const {
-  for (const char* name : {"/runs", "/input.pss", "/normals.pss", "/result.pss"})
+Result<void> WorkDirectory::remove_sources() const {
+  for (const char* name : {"/runs", "/input.pss", "/normals.pss"})
     PSS_TRY(remove_all(path_ + name));
   return {};
+}
+
+Result<void> WorkDirectory::remove_data() const {
+  PSS_TRY(remove_sources());
+  return remove_all(result_store());
 }
 
 Result<void> WorkDirectory::clear() const {

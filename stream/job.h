@@ -49,6 +49,8 @@ class WorkDirectory {
 
   /// Removes what a job keeps here, the record last; nothing else that lies here is touched.
   Result<void> clear() const;
+  /// Removes what a complete result was made from.
+  Result<void> remove_sources() const;
   /// Removes all but the record.
   Result<void> remove_data() const;
 

@@ -29,6 +29,7 @@ class SmoothRun {
     PSS_TRY(enter(work));
     if (!report_.already_complete) {
       if (!is_complete_store(work.result_store())) PSS_TRY(compute(work));
+      if (!places_.keep_work) PSS_TRY(work.remove_sources());  // the output needs the room
       PSS_TRY(write(work));
       PSS_TRY(leave_job(places_, work, record_));
     }

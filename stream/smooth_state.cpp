@@ -25,7 +25,8 @@ void find_stage(const std::string& input, const std::string& normals, const std:
   }
   state.stage = is_complete_store(result) ? "write" : first_pass ? "normals" : "smooth";
   state.tiles_done = tiles_in(first_pass ? normals : result);
-  if (const Result<Store> source = Store::open(input)) {
+  // Once the result is complete the sorted input goes.
+  if (const Result<Store> source = Store::open(is_complete_store(result) ? result : input)) {
     state.tiles = source->tiles().size();
     state.points = source->points();
   }
