@@ -28,7 +28,7 @@ HWY_NOINLINE SphereSums<Vec<T>> sum_sphere(const Balls<T>& balls, const BallNorm
   const Vec3<V> at = x;
   const W weigh = weight;
   V count = zero, w = zero, pn = zero, pp = zero;
-  V px = zero, py = zero, pz = zero, nx = zero, ny = zero, nz = zero;
+  Vec3<V> sum_p{zero, zero, zero}, sum_n{zero, zero, zero};
   for (std::size_t k = 0; k < balls.steps * kLanes<T>; k += kLanes<T>) {
     const Vec3<V> p{load(balls.x + k) - at.x, load(balls.y + k) - at.y, load(balls.z + k) - at.z};
     const Vec3<V> n = normals[k];
@@ -36,16 +36,12 @@ HWY_NOINLINE SphereSums<Vec<T>> sum_sphere(const Balls<T>& balls, const BallNorm
     const V wk = hn::IfThenElseZero(has_direction(n), weigh.weight(rho_sq));
     count = count + hn::IfThenElseZero(wk > zero, one);
     w = w + wk;
-    px = fma(wk, p.x, px);
-    py = fma(wk, p.y, py);
-    pz = fma(wk, p.z, pz);
-    nx = fma(wk, n.x, nx);
-    ny = fma(wk, n.y, ny);
-    nz = fma(wk, n.z, nz);
+    sum_p = fma(wk, p, sum_p);
+    sum_n = fma(wk, n, sum_n);
     pn = fma(wk, dot(p, n), pn);
     pp = fma(wk, rho_sq, pp);
   }
-  return {count, w, {px, py, pz}, {nx, ny, nz}, pn, pp};
+  return {count, w, sum_p, sum_n, pn, pp};
 }
 
 /// The step from the place of the sums to their sphere, f = uc + ul.x + uq |x|^2.

@@ -62,6 +62,23 @@ HWY_INLINE void add_area(const Stage<T>& stage, std::size_t count, Moments<T, kD
     for (int j = 0; j <= kOrder - i; ++j) m.area[i][j] = sum[i - kFirst][j];
 }
 
+/// The end of the rows from `first` on whose sums registers hold.
+constexpr int rows_at_once(int order, int first) {
+  constexpr int kMostSums = HWY_TARGET == HWY_AVX2 ? 9 : 17;
+  int last = first;
+  for (int sums = 0; last <= order && (sums += order - last + 1) <= kMostSums;) ++last;
+  return last;
+}
+
+/// The rows from kFirst on, as many at once as there are registers for.
+template <int kFirst, class T, int kDegree>
+HWY_INLINE void add_areas(const Stage<T>& stage, std::size_t count, Moments<T, kDegree>& m) {
+  constexpr int kOrder = Moments<T, kDegree>::kOrder;
+  constexpr int kLast = rows_at_once(kOrder, kFirst);
+  add_area<kFirst, kLast>(stage, count, m);
+  if constexpr (kLast <= kOrder) add_areas<kLast>(stage, count, m);
+}
+
 /// The moments of the heights.
 template <class T, int kDegree>
 HWY_INLINE void add_heights(const Stage<T>& stage, std::size_t count, Moments<T, kDegree>& m) {
@@ -137,23 +154,10 @@ HWY_INLINE void sum_moments(const Balls<T>& balls, const W& weight, Vec<T> radiu
     for (auto& v : row) v = zero;
   m.dd = m.dddd = m.count = m.near = m.far = zero;
   const auto radius_sq = radius * radius;
-  constexpr int kOrder = Moments<T, kDegree>::kOrder;
   for (std::size_t begin = 0; begin < balls.steps; begin += Stage<T>::kSteps) {
     const std::size_t count = HWY_MIN(Stage<T>::kSteps, balls.steps - begin);
     fill<false, T>(balls, begin, count, axes, foot, weight, stage);
-    // As many sums at once as there are registers.
-    if constexpr (kOrder == 2) {
-      add_area<0, 3>(stage, count, m);
-    } else if constexpr (kOrder == 4) {
-      add_area<0, 5>(stage, count, m);
-    } else if constexpr (kOrder == 6) {
-      add_area<0, 2>(stage, count, m);
-      add_area<2, 7>(stage, count, m);
-    } else {
-      add_area<0, 2>(stage, count, m);
-      add_area<2, 4>(stage, count, m);
-      add_area<4, 9>(stage, count, m);
-    }
+    add_areas<0>(stage, count, m);
     add_heights(stage, count, m);
     add_counts(stage, count, radius_sq, m);
   }

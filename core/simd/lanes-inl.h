@@ -75,20 +75,6 @@ HWY_INLINE V fnma(V a, V b, V c) {
 #endif
 }
 
-/// The lanes that the mask names, moved together at the front.
-template <class V, class M>
-HWY_INLINE V compress(V v, M mask) {
-#if HWY_TARGET == HWY_AVX3
-  // Highway 1.0 looks 64-bit lanes up in a table, which takes 20 times as long.
-  if constexpr (sizeof(hn::TFromV<V>) == 8 && hn::MaxLanes(hn::DFromV<V>()) == 8)
-    return hn::BitCast(
-        hn::DFromV<V>(),
-        hn::Vec<hn::Repartition<double, hn::DFromV<V>>>{_mm512_maskz_compress_pd(
-            mask.raw, hn::BitCast(hn::Repartition<double, hn::DFromV<V>>(), v).raw)});
-#endif
-  return hn::Compress(v, mask);
-}
-
 /// Three coordinates of each lane.
 template <class V>
 struct Vec3 {
@@ -102,6 +88,11 @@ HWY_INLINE Vec3<V> operator+(const Vec3<V>& a, const Vec3<V>& b) {
 template <class V>
 HWY_INLINE Vec3<V> operator*(V s, const Vec3<V>& a) {
   return {s * a.x, s * a.y, s * a.z};
+}
+/// s a + b
+template <class V>
+HWY_INLINE Vec3<V> fma(V s, const Vec3<V>& a, const Vec3<V>& b) {
+  return {fma(s, a.x, b.x), fma(s, a.y, b.y), fma(s, a.z, b.z)};
 }
 template <class V>
 HWY_INLINE V dot(const Vec3<V>& a, const Vec3<V>& b) {

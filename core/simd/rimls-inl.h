@@ -31,24 +31,17 @@ struct Implicit {
 template <class V>
 struct HeightSums {
   V w, f;
-  V nx, ny, nz;     // w n
-  V gx, gy, gz;     // grad w
-  V fgx, fgy, fgz;  // f grad w
+  Vec3<V> n;   // w n
+  Vec3<V> g;   // grad w
+  Vec3<V> fg;  // f grad w
 
   /// Adds a point that lies at x - `to`.
-  HWY_INLINE void add(V weight, V slope, V height, const Vec3<V>& n, const Vec3<V>& to) {
+  HWY_INLINE void add(V weight, V slope, V height, const Vec3<V>& normal, const Vec3<V>& to) {
     w = w + weight;
     f = fma(weight, height, f);
-    nx = fma(weight, n.x, nx);
-    ny = fma(weight, n.y, ny);
-    nz = fma(weight, n.z, nz);
-    const V inclined = slope * height;
-    gx = fma(slope, to.x, gx);
-    gy = fma(slope, to.y, gy);
-    gz = fma(slope, to.z, gz);
-    fgx = fma(inclined, to.x, fgx);
-    fgy = fma(inclined, to.y, fgy);
-    fgz = fma(inclined, to.z, fgz);
+    n = fma(weight, normal, n);
+    g = fma(slope, to, g);
+    fg = fma(slope * height, to, fg);
   }
 
   template <class T>
@@ -57,8 +50,8 @@ struct HeightSums {
     const V per_w = one / hn::IfThenElse(w > set(T{0}), w, one);
     const V value = f * per_w;
     return {value,
-            {per_w * (fnma(value, gx, fgx) + nx), per_w * (fnma(value, gy, fgy) + ny),
-             per_w * (fnma(value, gz, fgz) + nz)},
+            {per_w * (fnma(value, g.x, fg.x) + n.x), per_w * (fnma(value, g.y, fg.y) + n.y),
+             per_w * (fnma(value, g.z, fg.z) + n.z)},
             w};
   }
 };
@@ -66,7 +59,8 @@ struct HeightSums {
 template <class T>
 HWY_INLINE HeightSums<Vec<T>> no_heights() {
   const auto zero = set(T{0});
-  return {zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
+  const Vec3<Vec<T>> nowhere{zero, zero, zero};
+  return {zero, zero, nowhere, nowhere, nowhere};
 }
 
 /// The first fit about a place, every point with its weight; counts those that have one.

@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "core/simd/candidates-inl.h"
+#include "core/simd/compress-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {
