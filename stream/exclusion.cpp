@@ -23,7 +23,18 @@ Exclusion::Exclusion(const Schema& schema) {
     if (!in_row) continue;
     Test test{field_at(schema, in_row->position), *in_row, *in_row, in_row->name[0] == 'C'};
     test.in_field.position -= schema.position(test.field);
-    tests_.push_back(test);
+    add(schema, test);
+  }
+}
+
+void Exclusion::add(const Schema& schema, const Test& test) {
+  if (schema.fields()[test.field].size() != 1) return tests_.push_back(test);
+  auto table = std::ranges::find(byte_tests_, test.field, &ByteTest::field);
+  if (table == byte_tests_.end())
+    table = byte_tests_.insert(table, {test.field, schema.position(test.field), {}});
+  for (std::size_t value = 0; value < table->excluded.size(); ++value) {
+    const auto byte = static_cast<std::byte>(value);
+    if (hit(test, read_value(test.in_field, &byte))) table->excluded[value] = 1;
   }
 }
 
@@ -32,6 +43,8 @@ bool Exclusion::hit(const Test& test, double value) {
 }
 
 bool Exclusion::excludes(const std::byte* row) const {
+  for (const ByteTest& test : byte_tests_)
+    if (test.excluded[static_cast<std::size_t>(row[test.in_row])]) return true;
   for (const Test& test : tests_)
     if (hit(test, read_value(test.in_row, row))) return true;
   return false;
@@ -41,6 +54,12 @@ Result<void> Exclusion::mark(const Store& store, const TileInfo& tile, const Blo
                              std::span<std::uint8_t> excluded) const {
   std::fill(excluded.begin(), excluded.end(), std::uint8_t{0});
   std::vector<std::byte> values;
+  for (const ByteTest& test : byte_tests_) {
+    values.resize(block.count);
+    PSS_TRY(store.read_field(tile, block, test.field, values));
+    for (std::size_t i = 0; i < block.count; ++i)
+      excluded[i] |= test.excluded[static_cast<std::size_t>(values[i])];
+  }
   for (const Test& test : tests_) {
     const std::size_t size = store.header().schema.fields()[test.field].size();
     values.resize(size * block.count);

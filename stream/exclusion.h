@@ -1,6 +1,9 @@
 #pragma once
 // Which points are no neighbours of others: withheld points and the noise classes 7 and 18.
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,7 +20,7 @@ class Exclusion {
   explicit Exclusion(const Schema& schema);
 
   /// Whether any point of this schema can be excluded.
-  bool active() const { return !tests_.empty(); }
+  bool active() const { return !tests_.empty() || !byte_tests_.empty(); }
 
   /// Whether the point with this whole row is excluded.
   bool excludes(const std::byte* row) const;
@@ -35,8 +38,16 @@ class Exclusion {
     Dimension in_field;   ///< where it lies in the field alone
     bool classification;  ///< noise classes exclude; otherwise any value but zero
   };
+  /// Where the field is a single byte: the answer to each of its values, for all tests of it.
+  struct ByteTest {
+    std::size_t field;
+    std::size_t in_row;
+    std::array<std::uint8_t, 256> excluded;
+  };
   static bool hit(const Test& test, double value);
+  void add(const Schema& schema, const Test& test);
   std::vector<Test> tests_;
+  std::vector<ByteTest> byte_tests_;
 };
 
 }  // namespace pss

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <fstream>
-#include <limits>
+#include <iterator>
 #include <string>
 #include <utility>
+
+#include "stream/cgroup.h"
 
 namespace pss {
 namespace {
@@ -30,11 +32,9 @@ std::uint64_t status_bytes(const std::string& name) {
   return 0;
 }
 
-/// The number in a cgroup file; no limit where the file is missing or says "max".
-std::uint64_t cgroup_limit(const char* path) {
+std::string content(const char* path) {
   std::ifstream file(path);
-  std::uint64_t bytes = 0;
-  return file >> bytes ? bytes : std::numeric_limits<std::uint64_t>::max();
+  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -95,8 +95,7 @@ std::uint64_t minimum_limit(int threads) {
 std::uint64_t machine_memory() {
   const auto pages = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES));
   const auto page = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-  return std::min({pages * page, cgroup_limit("/sys/fs/cgroup/memory.max"),
-                   cgroup_limit("/sys/fs/cgroup/memory/memory.limit_in_bytes")});
+  return std::min(pages * page, cgroup_memory_limit(content("/proc/self/cgroup")));
 }
 
 std::uint64_t default_limit() { return machine_memory() / 10 * 7; }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <numeric>
 
 #include "core/morton.h"
+#include "core/parallel.h"
 
 namespace pss {
 namespace {
@@ -94,6 +96,36 @@ class Wanted {
   bool all_ = false;
 };
 
+/// Calls read(b) for every block by all threads; the first error in their order.
+Result<void> for_each_block(std::size_t count,
+                            const std::function<Result<void>(std::size_t)>& read) {
+  std::vector<std::optional<Error>> errors(count);
+  parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b)
+      if (Result<void> done = read(b); !done) errors[b] = std::move(done).error();
+  });
+  for (std::optional<Error>& error : errors)
+    if (error) return *std::move(error);
+  return {};
+}
+
+template <class T>
+void close_gaps(std::vector<T>& values, std::span<const PointRange> ranges) {
+  if (values.empty()) return;
+  std::size_t to = 0;
+  for (const PointRange& range : ranges) {
+    // Onto itself where there was no gap.
+    for (std::size_t i = range.begin; i < range.end; ++i) values[to++] = values[i];
+  }
+  values.resize(to);
+}
+
+/// Moves the ranges together; they keep their lengths.
+void close_gaps(Part& part, std::span<const PointRange> ranges) {
+  close_gaps(part.candidates, ranges);
+  close_gaps(part.normals, ranges);
+}
+
 }  // namespace
 
 PartLoader::PartLoader(const Store& source, const PartNeeds& needs)
@@ -179,23 +211,25 @@ Result<Part> PartLoader::load_own(const PartPlan& plan) const {
   Part part;
   part.range = plan.range;
   const TileInfo& tile = source_.tiles()[plan.range.tile];
-  const std::size_t source_size = source_.header().schema.row_size();
   part.first_row = plan.own.empty() ? tile.first_row : plan.own.front().first_row;
   part.own.resize(plan.own_points);
   part.rows.resize(plan.own_points * needs_.row_size);
-  std::vector<std::byte> rows;
-  std::size_t done = 0;
-  for (const BlockInfo& block : plan.own) {
-    PSS_TRY(source_.read_positions(tile, block, std::span(part.own).subspan(done, block.count)));
-    rows.resize(block.count * source_size);
-    PSS_TRY(source_.read_rows(tile, block, rows));
-    for (std::size_t i = 0; i < block.count && needs_.kept_size > 0; ++i)
-      std::memcpy(&part.rows[(done + i) * needs_.row_size], &rows[i * source_size],
-                  needs_.kept_size);
-    part.block_counts.push_back(block.count);
-    done += block.count;
-  }
+  for (const BlockInfo& block : plan.own) part.block_counts.push_back(block.count);
+  PSS_TRY(for_each_block(plan.own.size(),
+                         [&](std::size_t b) { return read_own(tile, plan.own[b], part); }));
   return part;
+}
+
+Result<void> PartLoader::read_own(const TileInfo& tile, const BlockInfo& block, Part& part) const {
+  const std::size_t source_size = source_.header().schema.row_size();
+  const std::size_t first = block.first_row - part.first_row;
+  PSS_TRY(source_.read_positions(tile, block, std::span(part.own).subspan(first, block.count)));
+  std::vector<std::byte> rows(block.count * source_size);
+  PSS_TRY(source_.read_rows(tile, block, rows));
+  for (std::size_t i = 0; i < block.count && needs_.kept_size > 0; ++i)
+    std::memcpy(&part.rows[(first + i) * needs_.row_size], &rows[i * source_size],
+                needs_.kept_size);
+  return {};
 }
 
 Result<void> PartLoader::read_near(const BlockRef& near, const Part& part, NearBlock& block) const {
@@ -215,26 +249,43 @@ Result<void> PartLoader::read_near(const BlockRef& near, const Part& part, NearB
 }
 
 Result<void> PartLoader::load_near(const PartPlan& plan, Part& part) const {
-  const Lattice& lattice = source_.header().lattice;
   part.drop_candidates();
   part.around = plan.around;
   part.ball_points = plan.ball_points;
-  part.candidates.reserve(plan.near_points);
-  if (needs_.normals) part.normals.reserve(plan.near_points);
-  NearBlock block;
+  part.candidates.resize(plan.near_points);
+  if (needs_.normals) part.normals.resize(plan.near_points);
+  // Every block writes where it would stand if all of its points were wanted.
+  std::vector<PointRange> ranges;
+  std::size_t end = 0;
   for (const BlockRef& near : plan.near) {
-    PSS_TRY(read_near(near, part, block));
-    const std::uint64_t row = near.block.first_row;
-    const bool is_own = row >= part.first_row && row < part.first_row + plan.own_points;
-    Wanted wanted(lattice, plan, near);
-    for (std::size_t i = 0; i < block.positions.size(); ++i) {
-      if (block.excluded[i] || !wanted(block.positions[i])) continue;
-      part.candidates.push_back(block.positions[i]);
-      if (needs_.normals) part.normals.push_back(block.normals[i]);
-      part.halo += is_own ? 0 : 1;
-    }
+    ranges.push_back({end, end});
+    end += near.block.count;
   }
-  sort_by_key(part.candidates, part.normals);
+  PSS_TRY(for_each_block(plan.near.size(),
+                         [&](std::size_t b) { return load_block(plan, b, ranges[b], part); }));
+  close_gaps(part, ranges);
+  part.halo = part.candidates.size();
+  for (std::size_t b = 0; b < ranges.size(); ++b) {
+    const std::uint64_t row = plan.near[b].block.first_row;
+    if (row >= part.first_row && row < part.first_row + plan.own_points)
+      part.halo -= ranges[b].end - ranges[b].begin;
+  }
+  if (!source_.header().ordered) sort_by_key(part.candidates, part.normals);
+  return {};
+}
+
+Result<void> PartLoader::load_block(const PartPlan& plan, std::size_t number, PointRange& range,
+                                    Part& part) const {
+  const BlockRef& near = plan.near[number];
+  NearBlock block;
+  PSS_TRY(read_near(near, part, block));
+  Wanted wanted(source_.header().lattice, plan, near);
+  for (std::size_t i = 0; i < block.positions.size(); ++i) {
+    if (block.excluded[i] || !wanted(block.positions[i])) continue;
+    part.candidates[range.end] = block.positions[i];
+    if (needs_.normals) part.normals[range.end] = block.normals[i];
+    ++range.end;
+  }
   return {};
 }
 

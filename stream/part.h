@@ -112,6 +112,10 @@ class PartLoader {
   };
   std::vector<std::vector<std::uint32_t>> surrounds_by_tile(const std::vector<Surround>& around,
                                                             std::vector<std::size_t>& tiles) const;
+  Result<void> read_own(const TileInfo& tile, const BlockInfo& block, Part& part) const;
+  /// Writes what is wanted of a near block to the candidates from range.begin on; moves range.end.
+  Result<void> load_block(const PartPlan& plan, std::size_t number, PointRange& range,
+                          Part& part) const;
   Result<void> read_near(const BlockRef& near, const Part& part, NearBlock& block) const;
 
   const Store& source_;
