@@ -191,6 +191,7 @@ class Sorter {
 
   void sort_all(const std::vector<Part>& parts) const {
     parallel_for(parts.size(), 8, [&](std::size_t begin, std::size_t end) {
+      if (stopping()) return;
       for (std::size_t i = begin; i < end; ++i) sort(parts[i]);
     });
   }
@@ -227,7 +228,6 @@ class Sorter {
 
   void sort(const Part& part) const {
     if (part.here.size() <= kSmall) return sort_small(part);
-    if (stopping()) return;
     const int highest = highest_bit(difference(part.here, part.here[0].bits));
     if (highest < 0) return sort_equal_bits(part);
     const Digit digit = digit_for(part.here.size(), highest);

@@ -4,51 +4,85 @@
 #include <cassert>
 #include <cstring>
 
+#include "core/parallel.h"
+
 namespace pss {
+namespace {
+
+/// Points are asked for so far ahead: they lie anywhere in memory, and are there when needed.
+constexpr std::size_t kAhead = 24;
+constexpr std::size_t kGrain = 4096;
+/// Places in the sort's list of buckets; see core/key_sort.
+constexpr std::size_t kSortListBytes = 3;
+
+}  // namespace
 
 Chunk::Chunk(std::size_t capacity, std::size_t row_size)
-    : capacity_(capacity), row_size_(row_size) {
-  entries_.reserve(capacity);
-  rows_.reserve(capacity * row_size);
-}
+    : row_size_(row_size),
+      keys_(capacity),
+      rows_(capacity * row_size),
+      entries_(capacity),
+      scratch_(capacity) {}
 
-void Chunk::add(const KeyedRows& points) {
-  assert(points.size() <= room());
-  for (const Key& key : points.keys)
-    entries_.push_back({key, static_cast<std::uint32_t>(entries_.size())});
-  rows_.insert(rows_.end(), points.rows.begin(), points.rows.end());
+void Chunk::add(std::span<const Key> keys, std::span<const std::byte> rows) {
+  assert(keys.size() <= room() && rows.size() == keys.size() * row_size_);
+  std::ranges::copy(keys, keys_.data() + size_);
+  std::ranges::copy(rows, rows_.data() + size_ * row_size_);
+  size_ += keys.size();
 }
 
 Result<void> Chunk::sort(const Monitor& monitor) {
-  std::vector<SortEntry> scratch(entries_.size());
-  if (sort_entries(entries_, scratch, rows_.data(), row_size_, monitor)) return {};
+  const TieBreak by_row = [&](std::uint32_t a, std::uint32_t b) {
+    return row_size_ > 0 && std::memcmp(row_at(a), row_at(b), row_size_) < 0;
+  };
+  if (sort_keys(keys_.first(size_), entries_.first(size_), scratch_.first(size_), by_row, monitor))
+    return {};
   return Error{Fault::kInterrupted, "stopped while sorting points"};
 }
 
-void Chunk::clear() {
-  entries_.clear();
-  rows_.clear();
+template <class Body>
+void Chunk::visit(std::size_t begin, std::size_t count, const Body& body) const {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (begin + i + kAhead < size_) {
+      const std::uint32_t ahead = entries_[begin + i + kAhead].index;
+      __builtin_prefetch(&keys_[ahead]);
+      __builtin_prefetch(row_at(ahead));
+    }
+    const std::uint32_t index = entries_[begin + i].index;
+    body(i, keys_[index], row_at(index));
+  }
+}
+
+void Chunk::get(std::size_t begin, std::span<Key> keys, std::span<std::byte> rows) const {
+  visit(begin, keys.size(), [&](std::size_t i, const Key& key, const std::byte* row) {
+    keys[i] = key;
+    copy_row(rows.data() + i * row_size_, row, row_size_);
+  });
 }
 
 void Chunk::get(std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) const {
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    positions[i] = decode_key(key(begin + i));
-    if (row_size_ > 0) std::memcpy(rows.data() + i * row_size_, row(begin + i), row_size_);
-  }
+  visit(begin, positions.size(), [&](std::size_t i, const Key& key, const std::byte* row) {
+    positions[i] = decode_key(key);
+    copy_row(rows.data() + i * row_size_, row, row_size_);
+  });
 }
 
-std::uint64_t Chunk::bytes_per_point(std::size_t row_size) { return sizeof(SortEntry) + row_size; }
+std::uint64_t Chunk::bytes_per_point(std::size_t row_size) {
+  return sizeof(Key) + row_size + sizeof(KeyEntry);
+}
+
+std::uint64_t Chunk::sort_bytes_per_point() { return sizeof(KeyEntry) + kSortListBytes; }
 
 Result<void> ChunkStream::read(std::size_t max, KeyedRows& out) {
   const std::size_t n = std::min(max, chunk_.size() - next_);
-  out.row_size = chunk_.row_size();
+  const std::size_t row = chunk_.row_size();
+  out.row_size = row;
   out.keys.resize(n);
-  out.rows.resize(n * out.row_size);
-  for (std::size_t i = 0; i < n; ++i) {
-    out.keys[i] = chunk_.key(next_ + i);
-    if (out.row_size > 0)
-      std::memcpy(out.rows.data() + i * out.row_size, chunk_.row(next_ + i), out.row_size);
-  }
+  out.rows.resize(n * row);
+  parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    chunk_.get(next_ + begin, std::span(out.keys).subspan(begin, end - begin),
+               std::span(out.rows).subspan(begin * row, (end - begin) * row));
+  });
   next_ += n;
   return {};
 }

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "core/key_sort.h"
 #include "core/monitor.h"
 #include "core/result.h"
+#include "stream/big_array.h"
 #include "stream/keyed_rows.h"
-#include "stream/sort.h"
 #include "stream/sorted_stream.h"
 
 namespace pss {
@@ -18,31 +18,39 @@ class Chunk {
  public:
   Chunk(std::size_t capacity, std::size_t row_size);
 
-  std::size_t size() const { return entries_.size(); }
-  std::size_t room() const { return capacity_ - entries_.size(); }
+  std::size_t size() const { return size_; }
+  std::size_t room() const { return keys_.size() - size_; }
 
-  /// Requires: room for all of `points`.
-  void add(const KeyedRows& points);
+  /// Requires: room for all of them.
+  void add(std::span<const Key> keys, std::span<const std::byte> rows);
   /// Errors: kInterrupted.
   Result<void> sort(const Monitor& monitor);
-  void clear();
+  void clear() { size_ = 0; }
+  /// Gives back what only sorting needs.
+  void end_sorting() { scratch_ = {}; }
 
   // After sort(): the points in order. Thread: any number at once.
-  const Key& key(std::size_t i) const { return entries_[i].key; }
-  const std::byte* row(std::size_t i) const { return rows_.data() + entries_[i].row * row_size_; }
+  const Key& key(std::size_t i) const { return keys_[entries_[i].index]; }
+  const std::byte* row(std::size_t i) const { return row_at(entries_[i].index); }
+  /// Copies the points [begin, begin + keys.size()) out.
+  void get(std::size_t begin, std::span<Key> keys, std::span<std::byte> rows) const;
   void get(std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) const;
 
   std::size_t row_size() const { return row_size_; }
 
-  /// Bytes a point holds, and bytes more while the chunk is being sorted.
+  /// Bytes a point holds, and bytes more until sorting has ended.
   static std::uint64_t bytes_per_point(std::size_t row_size);
-  static constexpr std::uint64_t kSortBytesPerPoint = sizeof(SortEntry);
+  static std::uint64_t sort_bytes_per_point();
 
  private:
-  std::size_t capacity_;
+  const std::byte* row_at(std::size_t index) const { return rows_.data() + index * row_size_; }
+  template <class Body>
+  void visit(std::size_t begin, std::size_t count, const Body& body) const;
   std::size_t row_size_;
-  std::vector<SortEntry> entries_;
-  std::vector<std::byte> rows_;
+  std::size_t size_ = 0;
+  BigArray<Key> keys_;
+  BigArray<std::byte> rows_;
+  BigArray<KeyEntry> entries_, scratch_;
 };
 
 /// A sorted chunk from its `begin`-th point on.

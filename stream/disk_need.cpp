@@ -25,7 +25,7 @@ Result<double> sample_bytes(const IngestPlan& plan, const Monitor& monitor) {
   KeyedRows batch;
   while (!in.ended() && chunk.room() > 0) {
     PSS_TRY(in.read(std::min<std::size_t>(chunk.room(), 1024), batch));
-    chunk.add(batch);
+    chunk.add(batch.keys, batch.rows);
   }
   if (chunk.size() == 0) return 0.0;
   PSS_TRY(chunk.sort(monitor));

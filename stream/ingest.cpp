@@ -19,6 +19,9 @@
 namespace pss {
 namespace {
 
+/// Merged into a longer run at once.
+constexpr std::size_t kMergeBlocks = 16;
+
 std::string runs_folder(const std::string& work_dir) { return work_dir + "/runs"; }
 
 /// The times of a run of the program are no part of what it makes.
@@ -112,7 +115,7 @@ class Ingest {
       PSS_TRY(check_stopping("reading points"));
       const std::uint64_t before = in.summary().points_read;
       PSS_TRY(in.read(memory_.batch_points, batch));
-      chunk.add(batch);
+      chunk.add(batch.keys, batch.rows);
       monitor_.advance(in.summary().points_read - before);
     }
     return {};
@@ -144,8 +147,8 @@ class Ingest {
   }
 
   /// Everything fits in memory: straight to tiles. False where the tiles' buffers do not fit too.
-  Result<bool> write_short(const Chunk& chunk, Reservation& reservation) {
-    // The scratch of the sort is free again.
+  Result<bool> write_short(Chunk& chunk, Reservation& reservation) {
+    chunk.end_sorting();
     const std::uint64_t held = memory_.chunk_points * Chunk::bytes_per_point(schema().row_size());
     reservation.release();
     const std::uint64_t needed = held + tile_writer_memory(plan_.header, chunk.size());
@@ -186,11 +189,16 @@ class Ingest {
       PSS_TRY(merge_some(std::min(memory_.fan_in, runs.size() - memory_.fan_in + 1)));
     summary_.merge_seconds = watch.seconds();
     PSS_TRY(open_store());
-    PSS_ASSIGN(MergeStream stream,
-               MergeStream::open(log_->folder(), runs, schema(), resume_point(*store_).key));
+    PSS_ASSIGN(MergeStream stream, open_merge(runs, resume_point(*store_).key));
     std::uint64_t points = 0;
     for (const RunInfo& run : runs) points += run.points;
     return merge_into_tiles(stream, points);
+  }
+
+  Result<MergeStream> open_merge(std::span<const RunInfo> runs, const std::optional<Key>& from) {
+    const std::uint64_t bytes = memory_.merge_bytes - memory_.tile_bytes;
+    return MergeStream::open(log_->folder(), runs, schema(), from,
+                             merge_run_points(schema(), runs.size(), bytes), monitor_);
   }
 
   /// One run from the first `count`: they are more than can be merged into tiles at once.
@@ -199,21 +207,34 @@ class Ingest {
     std::uint64_t points = 0;
     for (const RunInfo& run : runs) points += run.points;
     monitor_.begin("merge runs", points);
-    PSS_ASSIGN(MergeStream stream, MergeStream::open(log_->folder(), runs, schema(), std::nullopt));
+    PSS_ASSIGN(MergeStream stream, open_merge(runs, std::nullopt));
     PSS_ASSIGN(RunWriter out, RunWriter::create(log_->folder(), log_->state().next_id));
     KeyedRows batch;
-    std::vector<Index3> positions;
-    for (;;) {
+    do {
       PSS_TRY(check_stopping("merging runs"));
-      PSS_TRY(stream.read(kRunBlockPoints, batch));
-      if (batch.size() == 0) break;
-      positions.resize(batch.size());
-      std::ranges::transform(batch.keys, positions.begin(), decode_key);
-      PSS_TRY(out.append(batch.keys[0], encode_block(schema(), positions, batch.rows)));
+      PSS_TRY(stream.read(kMergeBlocks * kRunBlockPoints, batch));
+      PSS_TRY(write_blocks(batch, out));
       monitor_.advance(batch.size());
-    }
+    } while (batch.size() > 0);
     PSS_ASSIGN(const RunInfo info, out.finish());
     return log_->replace(count, info);
+  }
+
+  Result<void> write_blocks(const KeyedRows& points, RunWriter& out) {
+    std::size_t first = 0;
+    return encode_blocks(
+        schema(), points.size(), kRunBlockPoints,
+        [&](std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) {
+          const auto keys = std::span(points.keys).subspan(begin, positions.size());
+          std::ranges::transform(keys, positions.begin(), decode_key);
+          std::ranges::copy_n(points.row(begin), rows.size(), rows.begin());
+        },
+        [&](const EncodedBlock& block) {
+          const Key& key = points.keys[first];
+          first += block.count;
+          return out.append(key, block);
+        },
+        monitor_);
   }
 
   Result<IngestSummary> finish() {

@@ -49,7 +49,7 @@ Result<IngestMemory> divide_memory(const StoreHeader& header, std::uint64_t poin
   const std::uint64_t fixed = kReaderBytes + memory.batch_points * batch_point +
                               encode_blocks_memory(header.schema, kRunBlockPoints);
   const std::uint64_t point =
-      Chunk::bytes_per_point(header.schema.row_size()) + Chunk::kSortBytesPerPoint;
+      Chunk::bytes_per_point(header.schema.row_size()) + Chunk::sort_bytes_per_point();
   const std::uint64_t chunk = usable > fixed ? divide(usable - fixed, point) : 0;
   memory.chunk_points = std::min({chunk, most + memory.batch_points, std::uint64_t{kLargestChunk}});
   memory.read_bytes = fixed + memory.chunk_points * point;
@@ -58,11 +58,12 @@ Result<IngestMemory> divide_memory(const StoreHeader& header, std::uint64_t poin
 
   const std::uint64_t tiles =
       tile_writer_memory(header, points) + merge_decode_memory(header.schema);
-  const std::uint64_t source = merge_source_memory(header.schema);
+  const std::uint64_t source = merge_source_memory(header.schema, kRunBlockPoints);
   const std::uint64_t fan_in = usable > tiles ? divide(usable - tiles, source) : 0;
   if (fan_in < 2) return too_small(budget, usable, tiles + 2 * source);
   memory.fan_in = std::min<std::uint64_t>(fan_in, kLargestFanIn);
-  memory.merge_bytes = tiles + memory.fan_in * source;
+  memory.tile_bytes = tiles;
+  memory.merge_bytes = usable;
   return memory;
 }
 

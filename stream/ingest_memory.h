@@ -15,7 +15,8 @@ struct IngestMemory {
   std::size_t chunk_points = 0;   ///< sorted at once
   std::size_t fan_in = 0;         ///< runs merged at once
   std::uint64_t read_bytes = 0;   ///< what reading, sorting and writing a run holds
-  std::uint64_t merge_bytes = 0;  ///< what merging `fan_in` runs into tiles holds
+  std::uint64_t merge_bytes = 0;  ///< what merging up to `fan_in` runs into tiles may hold
+  std::uint64_t tile_bytes = 0;   ///< of these, what does not depend on the number of runs
 };
 
 /// Shape:  `points` as promised by the inputs; it bounds what is asked for, not what may come.

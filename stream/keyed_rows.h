@@ -31,4 +31,20 @@ inline bool before(const Key& a, const std::byte* row_a, const Key& b, const std
   return row_size > 0 && std::memcmp(row_a, row_b, row_size) < 0;
 }
 
+/// Copies a row; lengths that are common are known to the compiler, which spares a call.
+inline void copy_row(std::byte* to, const std::byte* from, std::size_t size) {
+  switch (size) {
+    case 0:
+      return;
+    case 8:
+      std::memcpy(to, from, 8);
+      return;
+    case 16:
+      std::memcpy(to, from, 16);
+      return;
+    default:
+      std::memcpy(to, from, size);
+  }
+}
+
 }  // namespace pss

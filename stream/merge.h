@@ -1,5 +1,5 @@
 #pragma once
-// Several runs as one sequence in order: a k-way merge by a tournament of losers.
+// Several runs as one sequence in order: a k-way merge, a range of keys at a time.
 
 #include <cstddef>
 #include <cstdint>
@@ -8,44 +8,70 @@
 #include <string>
 #include <vector>
 
+#include "core/monitor.h"
 #include "core/morton.h"
 #include "core/result.h"
 #include "io/schema.h"
+#include "stream/chunk.h"
 #include "stream/keyed_rows.h"
 #include "stream/run.h"
 #include "stream/sorted_stream.h"
 
 namespace pss {
 
-/// Source: Knuth, The Art of Computer Programming 3, 5.4.1 (replacement by a tree of losers).
-/// Cost:   log2(runs) comparisons a point.
+/// Merges by rounds: of every run the next points are decoded, and all points up to the least of
+/// the runs' last ones are sorted together by all threads. What such a round costs does not depend
+/// on the number of runs, as a tournament would; ranges that lie in one run, or in one after the
+/// other, are in order already, which the sort sees.
 class MergeStream : public SortedStream {
  public:
   /// Begins at the first point with a key not below `from`, where that is given.
+  ///
+  /// Shape: `run_points` of every run are merged in a round; see merge_run_points.
   static Result<MergeStream> open(const std::string& folder, std::span<const RunInfo> runs,
-                                  const Schema& schema, const std::optional<Key>& from);
+                                  const Schema& schema, const std::optional<Key>& from,
+                                  std::size_t run_points, const Monitor& monitor);
 
   Result<void> read(std::size_t max, KeyedRows& out) override;
 
  private:
+  /// A run, and those of its points that are decoded.
   struct Source {
     RunReader reader;
-    KeyedRows block;
-    std::size_t at = 0;
+    KeyedRows points;
+    std::size_t at = 0;  ///< points before it are merged
 
-    bool ended() const { return at == block.size(); }
+    std::size_t left() const { return points.size() - at; }
   };
-  MergeStream() = default;
-  Result<void> start(const std::optional<Key>& from);
-  bool wins(std::size_t a, std::size_t b) const;
-  void replay(std::size_t source);
-  std::size_t row_size_ = 0;
+  /// A block on its way to the points of its run.
+  struct Arrival {
+    std::size_t source = 0;
+    std::size_t at = 0;
+    RunBlock block;
+  };
+  MergeStream(std::size_t runs, std::size_t run_points, std::size_t row_size,
+              const Monitor& monitor);
+  Result<void> skip_to(const Key& from);
+  Result<void> refill();
+  Result<void> refill(std::size_t source, std::vector<Arrival>& arrivals);
+  Result<void> decode(std::vector<Arrival>& arrivals);
+  std::optional<std::size_t> shortest() const;
+  std::size_t count_up_to(const Source& source, const Source& bound) const;
+  Result<void> merge_round();
+
+  std::size_t run_points_;
+  std::size_t row_size_;
+  const Monitor* monitor_;
   std::vector<Source> sources_;
-  std::vector<std::size_t> losers_;  ///< of the match at each inner node; [0] is the winner of all
+  Chunk round_;
+  std::size_t next_ = 0;  ///< of the round
 };
 
-/// What a run being merged holds in memory, and what decoding one block holds on top.
-std::uint64_t merge_source_memory(const Schema& schema);
+/// How many points of each of `runs` runs to merge in a round within `bytes` of memory.
+std::size_t merge_run_points(const Schema& schema, std::size_t runs, std::uint64_t bytes);
+
+/// What merging holds: for every run, and for the blocks being decoded.
+std::uint64_t merge_source_memory(const Schema& schema, std::size_t run_points);
 std::uint64_t merge_decode_memory(const Schema& schema);
 
 }  // namespace pss

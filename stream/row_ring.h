@@ -41,7 +41,7 @@ class RowRing {
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const std::size_t at = slot(begin + i);
       positions[i] = decode_key(keys_[at]);
-      copy_bytes(rows.data() + i * row_size_, rows_.data() + at * row_size_, 1);
+      copy_row(rows.data() + i * row_size_, rows_.data() + at * row_size_, row_size_);
     }
   }
 

@@ -144,39 +144,39 @@ Result<void> RunReader::seek(const Key& key) {
   return {};
 }
 
-Result<void> RunReader::next(KeyedRows& out) {
-  out.clear();
-  if (offset_ >= info_.data_size) return {};
+Result<void> RunReader::next(RunBlock& out) {
+  out.count = 0;
+  if (ended()) return {};
   std::vector<std::byte> head(head_size(*schema_));
   PSS_TRY(file_.read(offset_, head));
   std::size_t count = 0;
-  const auto columns = parse_head(head, offset_, *schema_, count);
-  if (columns.empty()) return damaged(offset_);
-  out.row_size = schema_->row_size();
-  out.keys.resize(count);
-  out.rows.resize(count * out.row_size);
-  PSS_TRY(decode(columns, out));
-  offset_ = columns.back().offset + columns.back().size;
+  out.columns = parse_head(head, offset_, *schema_, count);
+  if (out.columns.empty()) return damaged(offset_);
+  const std::uint64_t start = out.columns.front().offset;
+  offset_ = out.columns.back().offset + out.columns.back().size;
+  out.bytes.resize(offset_ - start);
+  PSS_TRY(file_.read(start, out.bytes));
+  out.count = count;
   return {};
 }
 
-Result<void> RunReader::decode(std::span<const ColumnInfo> columns, KeyedRows& out) {
-  const std::uint64_t start = columns.front().offset;
-  std::vector<std::byte> bytes(columns.back().offset + columns.back().size - start);
-  PSS_TRY(file_.read(start, bytes));
-  std::vector<Index3> positions(out.size());
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const auto column = std::span(bytes).subspan(columns[c].offset - start, columns[c].size);
-    const auto& fields = schema_->fields();
-    if (hash64(column) != columns[c].hash ||
+Result<void> RunReader::decode(const RunBlock& block, std::span<Key> keys,
+                               std::span<std::byte> rows) const {
+  const std::uint64_t start = block.columns.front().offset;
+  const auto& fields = schema_->fields();
+  std::vector<Index3> positions(block.count);
+  for (std::size_t c = 0; c < block.columns.size(); ++c) {
+    const ColumnInfo& info = block.columns[c];
+    const auto column = std::span(block.bytes).subspan(info.offset - start, info.size);
+    if (hash64(column) != info.hash ||
         !(c == 0 ? decode_positions(column, positions)
-                 : decode_field(fields[c - 1], column, out.size(),
-                                out.rows.data() + schema_->position(c - 1), out.row_size)))
-      return damaged(columns[c].offset);
+                 : decode_field(fields[c - 1], column, block.count,
+                                rows.data() + schema_->position(c - 1), schema_->row_size())))
+      return damaged(info.offset);
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (!on_lattice(positions[i])) return damaged(start);
-    out.keys[i] = encode_key(positions[i]);
+    keys[i] = encode_key(positions[i]);
   }
   return {};
 }

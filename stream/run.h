@@ -51,6 +51,13 @@ class RunWriter {
   std::vector<std::byte> index_;
 };
 
+/// A block of a run as it lies in the file, checked and not decoded yet.
+struct RunBlock {
+  std::size_t count = 0;            ///< points; none at the end of the run
+  std::vector<ColumnInfo> columns;  ///< offsets in the file
+  std::vector<std::byte> bytes;     ///< of all columns
+};
+
 /// Reads a run block by block.
 ///
 /// Errors: kBadInput with file and offset where the bytes are not those that were written.
@@ -61,12 +68,16 @@ class RunReader {
 
   /// Goes to the first block that may hold a point with a key not below `key`.
   Result<void> seek(const Key& key);
-  /// Replaces `out` by the next block's points; empty at the end.
-  Result<void> next(KeyedRows& out);
+  /// Replaces `out` by the next block; one without points at the end.
+  Result<void> next(RunBlock& out);
+  bool ended() const { return offset_ >= info_.data_size; }
+  /// The points of a block. Shape: `keys` and `rows` hold block.count of them.
+  ///
+  /// Thread: any number at once.
+  Result<void> decode(const RunBlock& block, std::span<Key> keys, std::span<std::byte> rows) const;
 
  private:
   RunReader(File file, const RunInfo& info, const Schema& schema);
-  Result<void> decode(std::span<const ColumnInfo> columns, KeyedRows& out);
   Error damaged(std::uint64_t offset) const;
   File file_;
   RunInfo info_;

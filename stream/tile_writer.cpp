@@ -11,7 +11,7 @@
 namespace pss {
 namespace {
 
-constexpr std::size_t kReadAtOnce = 2048;
+constexpr std::size_t kReadAtOnce = 1 << 15;
 /// Tiles share syncs up to so many bytes: more is lost by a kill, fewer waits for the disk.
 constexpr std::uint64_t kSyncEvery = 64 << 20;
 
@@ -135,7 +135,8 @@ std::uint64_t tile_writer_memory(const StoreHeader& header, std::uint64_t points
   const std::uint64_t row = sizeof(Key) + header.schema.row_size();
   // Leaves are about half full on surfaces, a third for good measure; their table may be growing.
   const std::uint64_t tiles = points / header.tile_points * 3 + 8;
-  return ring_capacity(header, points) * row + kReadAtOnce * row * 2 +
+  return ring_capacity(header, points) * row +
+         std::min<std::size_t>(kReadAtOnce, ring_capacity(header, points)) * row * 2 +
          encode_blocks_memory(header.schema, std::min<std::size_t>(kBlockPoints, points)) +
          2 * tiles * sizeof(TileInfo);
 }
