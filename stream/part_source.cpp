@@ -43,7 +43,7 @@ Error too_dense(const Store& source, const PartPlan& plan, std::uint64_t bytes,
       Fault::kMemoryLimit,
       fmt::format("{}: near ({:.9g}, {:.9g}, {:.9g}) up to {} points lie within {:.6g} of {} "
                   "points, which takes {} MiB of the {} MiB that the memory limit leaves; use "
-                  "--memory-limit {}M or a radius of about {:.3g} times this one",
+                  "--memory-limit {}M or more, or a radius of about {:.3g} times this one",
                   source.path(), place[0], place[1], place[2], plan.near_points, reach,
                   plan.own_points, bytes >> 20, budget.total() >> 20, (needed >> 20) + 1, scale)};
 }
