@@ -1,36 +1,21 @@
-// How far is single precision, with its redo in double, from double on real scans, and how far is
-// double from the plain reference? bench_precision [--method fast] [--degree M] SCAN...
+// How far is single precision, with its redo in double, from double on real scans?
+// bench_precision [--operator NAME] [--weight NAME] [--degree M] SCAN...
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <string>
 #include <vector>
 
-#include "core/morton.h"
+#include "bench/distances.h"
+#include "bench/read_scan.h"
 #include "core/projector.h"
-#include "core/sorted_cloud.h"
-#include "core/vec3.h"
-#include "io/reader.h"
+#include "core/support.h"
 
-namespace pss {
+namespace pss::bench {
 namespace {
-
-Result<SortedCloud> read_sorted(const std::string& path) {
-  PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(path));
-  const std::optional<Lattice>& grid = reader->header().grid;
-  std::vector<World3> world;
-  PointBatch batch;
-  do {
-    PSS_TRY(reader->read(1 << 16, batch));
-    for (const Index3& index : batch.index) world.push_back(to_world(*grid, index));
-    world.insert(world.end(), batch.world.begin(), batch.world.end());
-  } while (batch.size() > 0);
-  return sort_cloud(world, {}, grid);
-}
 
 struct Run {
   std::vector<Projection> results;
@@ -44,7 +29,7 @@ Run project(const SortedCloud& cloud, const Support& support, const Method& meth
   run.results.resize(queries.size());
   const std::clock_t start = std::clock();  // of the processor: the machine may be shared
   const CellGrid grid(cloud.lattice, cloud.points, reach(method.weight, support));
-  Projector projector(grid, method);
+  Projector projector(grid, method, {cloud.normals, false});
   constexpr std::size_t kBatch = 1024;
   for (std::size_t i = 0; i < queries.size(); i += kBatch) {
     const std::size_t count = std::min(kBatch, queries.size() - i);
@@ -55,93 +40,77 @@ Run project(const SortedCloud& cloud, const Support& support, const Method& meth
   return run;
 }
 
-/// Distances between two results for the same points, in spacings.
-struct Difference {
-  std::size_t compared = 0;
-  std::size_t statuses = 0;  // that differ
-  std::size_t far = 0;       // more than 1e-4 spacings
-  double worst = 0;
-  double square = 0;
-
-  void add(const Projection& a, const Projection& b, double spacing) {
-    statuses += a.status != b.status;
-    if (a.status != Status::kOk || b.status != Status::kOk) return;
-    const World3 d = a.displacement - b.displacement;
-    const double distance = std::sqrt(dot(d, d)) / spacing;
-    ++compared;
-    far += distance > 1e-4;
-    worst = std::max(worst, distance);
-    square += distance * distance;
-  }
-
-  double rms() const { return compared ? std::sqrt(square / static_cast<double>(compared)) : 0; }
-};
-
-/// Double against the plain search, on every so many points.
-Difference against_plain(const SortedCloud& cloud, const Support& support, const Method& method,
-                         const Run& run, double spacing) {
-  constexpr std::size_t kEvery = 17;
-  const CellGrid grid(cloud.lattice, cloud.points, reach(method.weight, support));
-  Offsets offsets;
-  Difference difference;
-  for (std::size_t i = 0; i < cloud.points.size(); i += kEvery) {
-    grid.gather({cloud.points[i], {}}, reach(method.weight, support), offsets);
-    difference.add(run.results[i], project_point(offsets, support, method), spacing);
-  }
-  return difference;
+/// Those of a first pass, the same for both precisions.
+void add_normals(SortedCloud& cloud, const Support& support, Method method) {
+  method.precision = Precision::kDouble;
+  for (const Projection& p : project(cloud, support, normals_method(method)).results)
+    cloud.normals.push_back(unit_normal(p.normal));
 }
 
 Result<void> compare(const std::string& path, Method method) {
-  PSS_ASSIGN(const SortedCloud cloud, read_sorted(path));
+  PSS_ASSIGN(SortedCloud cloud, read_scan(path));
   const std::optional<double> spacing = spacing_of(cloud);
   if (!spacing) return Error{Fault::kBadInput, fmt::format("{}: too few points", path)};
-  const double h = 2 * *spacing;
-  const Support support{h, radius_factor(method.degree) * h};
+  const Support support = support_of_width(2 * *spacing, method);
+  if (needs_normals(method.op)) add_normals(cloud, support, method);
   method.precision = Precision::kDouble;
   const Run twice = project(cloud, support, method);
-  const Difference plain = against_plain(cloud, support, method, twice, *spacing);
   method.precision = Precision::kSingle;
   const Run single = project(cloud, support, method);
 
-  Difference difference;
+  Distances distances(*spacing);
   double neighbours = 0;
   std::size_t redone = 0, moved_points = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    difference.add(single.results[i], twice.results[i], *spacing);
+    distances.add(single.results[i], twice.results[i]);
     neighbours += single.results[i].neighbours;
     redone += single.results[i].redone;
     moved_points += moved(single.results[i].status);
   }
   const auto n = static_cast<double>(cloud.points.size());
   fmt::print(
-      "| {} | {} | {:.0f} | {:.1f} % | {:.2f} % | {} | {:.2g} | {:.1e} | {} | {:.1e} | "
-      "{:.0f} k | {:.0f} k |\n",
-      path.substr(path.rfind('/') + 1), cloud.points.size(), neighbours / n,
+      "| {} | {} | {:.0f} | {:.1f} % | {:.2f} % | {} | {:.2g} | {:.1e} | {} | {:.0f} k | "
+      "{:.0f} k |\n",
+      file_name(path), cloud.points.size(), neighbours / n,
       100 * static_cast<double>(moved_points) / n, 100 * static_cast<double>(redone) / n,
-      difference.far, difference.worst, difference.rms(), difference.statuses, plain.worst,
+      distances.far(), distances.worst(), distances.rms(), distances.statuses(),
       n / single.seconds / 1e3, n / twice.seconds / 1e3);
   return {};
 }
 
-int run(std::vector<std::string> arguments) {
+template <class Values>
+CLI::IsMember names_of(const Values& values) {
+  std::vector<std::string> names;
+  for (const auto value : values) names.push_back(name_of(value));
+  return CLI::IsMember(names);
+}
+
+template <class Values>
+auto named(const Values& values, const std::string& name) {
+  return *std::ranges::find_if(values, [&](auto value) { return name == name_of(value); });
+}
+
+int main_of(int argc, char** argv) {
+  CLI::App app("Compares single with double precision on scans", "bench_precision");
+  std::string op = name_of(MlsOperator::kLevin);
+  std::string weight = name_of(WeightKind::kGaussian);
   Method method;
-  const auto take = [&](const std::string& flag) -> std::string {
-    const auto at = std::ranges::find(arguments, flag);
-    if (at == arguments.end() || at + 1 == arguments.end()) return "";
-    const std::string value = at[1];
-    arguments.erase(at, at + 2);
-    return value;
-  };
-  if (take("--method") == "fast") method.op = MlsOperator::kFast;
-  if (const std::string degree = take("--degree"); !degree.empty())
-    method.degree = std::atoi(degree.c_str());
-  fmt::print("{}, {}, order {}, h = 2 s, one thread; distances in spacings\n\n", name_of(method.op),
-             name_of(method.weight), method.degree);
+  std::vector<std::string> paths;
+  app.add_option("--operator", op)->check(names_of(kMlsOperators));
+  app.add_option("--weight", weight)->check(names_of(kWeightKinds));
+  app.add_option("--degree", method.degree)->check(CLI::Range(0, 4));
+  app.add_option("scan", paths)->required();
+  CLI11_PARSE(app, argc, argv);
+  method.op = named(kMlsOperators, op);
+  method.weight = named(kWeightKinds, weight);
+
+  fmt::print("{}, {}{}, h = 2 s, one thread; distances in spacings\n\n", op, weight,
+             needs_normals(method.op) ? "" : fmt::format(", order {}", method.degree));
   fmt::print(
       "| scan | points | neighbours | moved | redone | farther than 1e-4 | worst | rms | "
-      "statuses differ | double to plain, worst | single, points/s | double |\n"
-      "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
-  for (const std::string& path : arguments) {
+      "statuses differ | single, points/s | double |\n"
+      "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+  for (const std::string& path : paths) {
     const Result<void> done = compare(path, method);
     if (done) continue;
     fmt::print(stderr, "{}\n", done.error().message);
@@ -151,6 +120,6 @@ int run(std::vector<std::string> arguments) {
 }
 
 }  // namespace
-}  // namespace pss
+}  // namespace pss::bench
 
-int main(int argc, char** argv) { return pss::run({argv + 1, argv + argc}); }
+int main(int argc, char** argv) { return pss::bench::main_of(argc, argv); }

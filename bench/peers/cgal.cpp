@@ -15,7 +15,7 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using CgalPoints = std::vector<Kernel::Point_3>;
 
-CgalPoints copy_of(const Cloud& cloud) {
+CgalPoints copy_of(const Points& cloud) {
   CgalPoints copy;
   copy.reserve(cloud.points.size());
   for (const Index3& index : cloud.points) {
@@ -36,7 +36,7 @@ class Cgal final : public Contender {
  public:
   std::string name() const override { return "CGAL jet_smooth_point_set"; }
 
-  Smoothed smooth(const Cloud& cloud, const Task& task) const override {
+  Smoothed smooth(const Points& cloud, const Task& task) const override {
     const double in_spacings = task.radius / cloud.spacing;
     const auto k = static_cast<unsigned>(std::lround(std::numbers::pi * in_spacings * in_spacings));
     CgalPoints points = copy_of(cloud);

@@ -32,7 +32,7 @@ Result<Cloud> make_cloud(SynthOptions options) {
   PSS_ASSIGN(const std::unique_ptr<Reader> reader, SynthReader::create(options));
   PointBatch batch;
   PSS_TRY(reader->read(options.points, batch));
-  return Cloud{options.surface, spacing(options), grid(options), std::move(batch.index)};
+  return Cloud{{spacing(options), grid(options), std::move(batch.index)}, options.surface};
 }
 
 Errors errors_of(const Cloud& cloud, std::span<const World3> results) {

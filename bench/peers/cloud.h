@@ -9,12 +9,17 @@
 
 namespace pss::bench {
 
-/// A cloud whose coordinates are the same numbers in float, in double and on the lattice.
-struct Cloud {
-  Surface surface;
+/// What contenders smooth.
+struct Points {
   double spacing = 0;
   Lattice lattice;
-  std::vector<Index3> points;  ///< in the order of a scanner or scattered, never in key order
+  std::vector<Index3> points;
+};
+
+/// Points of a known surface, in the order of a scanner or scattered, never in key order; their
+/// coordinates are the same numbers in float, in double and on the lattice.
+struct Cloud : Points {
+  Surface surface;
 };
 
 /// Synthesises what `options` say, on a lattice that float holds exactly; their scale is ignored.

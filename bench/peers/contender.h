@@ -39,7 +39,7 @@ class Timer {
 };
 
 struct Smoothed {
-  std::vector<World3> positions;  ///< in any order
+  std::vector<World3> positions;  ///< in the order of the points; NaN for what got none
   Time time;                      ///< of everything but copying the input to the contender's type
   Time sort;                      ///< the part of `time` that points in key order would save
   double neighbours = 0;          ///< mean over the points
@@ -52,7 +52,7 @@ class Contender {
   virtual std::string name() const = 0;
   /// Whether it is another's program, against which pss is measured.
   virtual bool peer() const { return true; }
-  virtual Smoothed smooth(const Cloud& cloud, const Task& task) const = 0;
+  virtual Smoothed smooth(const Points& cloud, const Task& task) const = 0;
 };
 
 using Contenders = std::vector<std::unique_ptr<Contender>>;

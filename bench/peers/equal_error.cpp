@@ -79,13 +79,9 @@ void compare_on(const Settings& settings, const Contenders& contenders, double n
 
 Result<void> compare_at_equal_error(const Settings& settings, const Contenders& contenders,
                                     Report& report) {
-  for (const double noise : settings.noises) {
-    SynthOptions options = settings.cloud;
-    options.noise = noise;
-    PSS_ASSIGN(const Cloud cloud, make_cloud(options));
+  return for_each_cloud(settings, [&](const Cloud& cloud, double noise) {
     compare_on(settings, contenders, noise, cloud, report);
-  }
-  return {};
+  });
 }
 
 }  // namespace pss::bench

@@ -21,16 +21,24 @@ bool takes_part(const Settings& settings, const Contender& who, double radius) {
   return radius <= settings.cgal_radius || !who.name().starts_with("CGAL");
 }
 
+Result<void> for_each_cloud(const Settings& settings,
+                            const std::function<void(const Cloud&, double)>& use) {
+  for (const double noise : settings.noises) {
+    SynthOptions options = settings.cloud;
+    options.noise = noise;
+    PSS_ASSIGN(const Cloud cloud, make_cloud(options));
+    use(cloud, noise);
+  }
+  return {};
+}
+
 const char* order_name(SynthOrder order) {
   return order == SynthOrder::kSweep ? "sweep" : "scattered";
 }
 
 Result<void> compare_at_equal_radius(const Settings& settings, const Contenders& contenders,
                                      Report& report) {
-  for (const double noise : settings.noises) {
-    SynthOptions options = settings.cloud;
-    options.noise = noise;
-    PSS_ASSIGN(const Cloud cloud, make_cloud(options));
+  return for_each_cloud(settings, [&](const Cloud& cloud, double noise) {
     for (const int threads : settings.threads)
       for (const double radius : settings.radii) {
         const std::string text = fmt::format(
@@ -42,8 +50,7 @@ Result<void> compare_at_equal_radius(const Settings& settings, const Contenders&
         report.add({text, cloud.spacing, noise},
                    run_rounds(cloud, entries, {settings.degree, threads, settings.runs}));
       }
-  }
-  return {};
+  });
 }
 
 }  // namespace pss::bench

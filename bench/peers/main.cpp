@@ -13,7 +13,8 @@ namespace pss::bench {
 namespace {
 
 constexpr const char* kDescription =
-    "Compares pss with PCL and CGAL: equal radius, equal error, threads against processes.\n"
+    "Compares pss with PCL and CGAL: equal radius, equal error, threads against processes, and\n"
+    "what each computes with a slow reference.\n"
     "Lengths in spacings s; tables to stdout, progress to stderr. Rates on one thread are by\n"
     "processor time, else by time on the wall; of pss with sorting and building the grid, of\n"
     "peers with building their trees. All read and write arrays in memory.";
@@ -24,12 +25,14 @@ struct Words {
   std::string order = "sweep";
   std::string json;
   std::vector<std::string> names;
+  std::vector<std::string> scans;
 };
 
 void declare(CLI::App& app, Settings& settings, Words& words) {
   app.add_option("mode", words.mode, "What to measure")
       ->required()
-      ->check(CLI::IsMember({"equal-radius", "equal-error", "processes"}));
+      ->check(CLI::IsMember({"equal-radius", "equal-error", "processes", "reference"}));
+  app.add_option("scan", words.scans, "For reference: files of real scans");
   app.add_option("--surface", words.surface, "torus, sphere, plane or terrain")
       ->capture_default_str();
   app.add_option("--order", words.order, "Of the input: sweep, as scanners do, or scattered")
@@ -38,7 +41,8 @@ void declare(CLI::App& app, Settings& settings, Words& words) {
   app.add_option("--points", settings.cloud.points)->capture_default_str();
   app.add_option("--noise", settings.noises, "Standard deviations in s, a table each")
       ->capture_default_str();
-  app.add_option("--radius", settings.radii, "Radii in s, a table each; equal-error takes the last")
+  app.add_option("--radius", settings.radii,
+                 "Radii in s, a table each; equal-error and reference take the last")
       ->capture_default_str();
   app.add_option("--largest-radius", settings.largest_radius, "In s, for equal-error")
       ->capture_default_str();
@@ -72,6 +76,7 @@ Contenders contenders_for(const Words& words) {
 }
 
 Result<void> run(Settings& settings, const Words& words) {
+  if (words.mode == "reference") return compare_with_reference(settings, words.scans);
   PSS_ASSIGN(settings.cloud.surface, make_surface(words.surface, {}));
   settings.cloud.order = words.order == "sweep" ? SynthOrder::kSweep : SynthOrder::kScattered;
   if (settings.threads.empty())

@@ -1,5 +1,5 @@
 #pragma once
-// The three questions that bench_peers answers.
+// The four questions that bench_peers answers.
 
 #include <functional>
 #include <string>
@@ -37,6 +37,16 @@ Result<void> compare_at_equal_error(const Settings& settings, const Contenders& 
 /// Requires: no thread was started yet: processes are forked.
 Result<void> compare_with_processes(const Settings& settings, const Contenders& contenders,
                                     Report& report);
+
+/// How far are pss and its peers from the references of what they compute, on real scans?
+///
+/// Errors: those of reading the scans.
+Result<void> compare_with_reference(const Settings& settings,
+                                    const std::vector<std::string>& scans);
+
+/// Calls use(cloud, noise) for a cloud of each noise that is wanted.
+Result<void> for_each_cloud(const Settings& settings,
+                            const std::function<void(const Cloud&, double)>& use);
 
 /// Whether a contender is fast enough to run with so many spacings of radius.
 bool takes_part(const Settings& settings, const Contender& who, double radius);

@@ -4,6 +4,8 @@
 #include <pcl/search/kdtree.h>
 #include <pcl/surface/mls.h>
 
+#include <limits>
+
 #include "bench/peers/contender.h"
 
 namespace pss::bench {
@@ -14,7 +16,7 @@ using Tree = pcl::search::KdTree<pcl::PointXYZ>;
 
 constexpr std::size_t kSampleStride = 37;
 
-PclCloud::Ptr copy_of(const Cloud& cloud) {
+PclCloud::Ptr copy_of(const Points& cloud) {
   PclCloud::Ptr copy(new PclCloud);
   copy->reserve(cloud.points.size());
   for (const Index3& index : cloud.points) {
@@ -25,10 +27,15 @@ PclCloud::Ptr copy_of(const Cloud& cloud) {
   return copy;
 }
 
-std::vector<World3> positions_of(const PclCloud& cloud) {
-  std::vector<World3> positions;
-  positions.reserve(cloud.size());
-  for (const pcl::PointXYZ& p : cloud) positions.push_back({p.x, p.y, p.z});
+/// PCL leaves out points with too few neighbours; `rows` says which are there.
+std::vector<World3> positions_of(const PclCloud& cloud, const pcl::Indices& rows,
+                                 std::size_t count) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::vector<World3> positions(count, {kNone, kNone, kNone});
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const pcl::PointXYZ& p = cloud[i];
+    positions[static_cast<std::size_t>(rows[i])] = {p.x, p.y, p.z};
+  }
   return positions;
 }
 
@@ -46,7 +53,7 @@ class Pcl final : public Contender {
  public:
   std::string name() const override { return "PCL MovingLeastSquares"; }
 
-  Smoothed smooth(const Cloud& cloud, const Task& task) const override {
+  Smoothed smooth(const Points& cloud, const Task& task) const override {
     const PclCloud::Ptr input = copy_of(cloud);
     const Tree::Ptr tree(new Tree(false));
     PclCloud output;
@@ -62,7 +69,8 @@ class Pcl final : public Contender {
     mls.setCacheMLSResults(task.threads > 1);
     mls.process(output);
     smoothed.time = timer.elapsed();
-    smoothed.positions = positions_of(output);
+    smoothed.positions =
+        positions_of(output, mls.getCorrespondingIndices()->indices, input->size());
     smoothed.neighbours = count_neighbours(*input, *tree, task.radius);
     return smoothed;
   }

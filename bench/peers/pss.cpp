@@ -10,6 +10,7 @@
 #include "core/morton.h"
 #include "core/parallel.h"
 #include "core/projector.h"
+#include "core/support.h"
 
 namespace pss::bench {
 namespace {
@@ -55,16 +56,10 @@ Sorted sort_points(const std::vector<Index3>& points) {
   return sorted;
 }
 
-/// The widths that a radius gives; PCL's weight exp(-rho^2 / R^2) is the Gaussian of width R.
-Support support_for(const Method& method, double radius) {
-  const bool pcl = method.weight == WeightKind::kPcl;
-  return {pcl ? radius : radius / radius_factor(method.degree), radius};
-}
-
 /// Projects the points of one cloud, range by range.
 class Pass {
  public:
-  Pass(const Cloud& cloud, const Sorted& sorted, const Method& method, const Support& support)
+  Pass(const Points& cloud, const Sorted& sorted, const Method& method, const Support& support)
       : cloud_(cloud),
         sorted_(sorted),
         method_(method),
@@ -126,7 +121,7 @@ class Pass {
     smoothed_.kept += kept;
   }
 
-  const Cloud& cloud_;
+  const Points& cloud_;
   const Sorted& sorted_;
   Method method_;
   Support support_;
@@ -147,10 +142,10 @@ class Pss final : public Contender {
   }
   bool peer() const override { return false; }
 
-  Smoothed smooth(const Cloud& cloud, const Task& task) const override {
+  Smoothed smooth(const Points& cloud, const Task& task) const override {
     Method method = method_;
     method.degree = task.degree;
-    const Support support = support_for(method, task.radius);
+    const Support support = support_of_radius(task.radius, method);
     const ThreadLimit limit(task.threads);
     const Timer timer;
     const Sorted sorted = sort_points(cloud.points);
@@ -175,6 +170,8 @@ void add_pss(Contenders& contenders) {
   contenders.push_back(std::make_unique<Pss>(kFast, kGaussian, kSingle));
   contenders.push_back(std::make_unique<Pss>(kLevin, kGaussian, kSingle));
   contenders.push_back(std::make_unique<Pss>(kLevin, kGaussian, kDouble));
+  contenders.push_back(std::make_unique<Pss>(kLevin, kWendland, kSingle));
+  contenders.push_back(std::make_unique<Pss>(kLevin, kPcl, kSingle));
 }
 
 }  // namespace pss::bench

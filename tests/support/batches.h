@@ -70,15 +70,10 @@ inline std::vector<Projection> shuffled(const Scan& scan, const Support& support
 /// The points of a scan within the reach of a query: all that its result may depend on.
 inline Scan within_reach(const Scan& scan, const Query& query, double radius) {
   Scan part{scan.lattice, {}, scan.spacing, {}, scan.oriented};
-  for (std::size_t i = 0; i < scan.points.size(); ++i) {
-    World3 d;
-    for (std::size_t a = 0; a < 3; ++a)
-      d[a] = scan.lattice.scale[a] * static_cast<double>(scan.points[i][a] - query.position[a]) -
-             query.remainder[a];
-    if (!(length_sq(d[0], d[1], d[2]) < radius * radius)) continue;
+  for_each_within(scan, query, radius, [&](std::size_t i, const World3&) {
     part.points.push_back(scan.points[i]);
     part.normals.push_back(scan.normals[i]);
-  }
+  });
   return part;
 }
 

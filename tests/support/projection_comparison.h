@@ -16,17 +16,12 @@ Projection oracle_at(const Scan& scan, const Query& query, const Support& suppor
                      const Method& method) {
   std::vector<World3> offsets;
   std::vector<World3> normals;
-  const double radius = reach(method.weight, support);
-  for (std::size_t i = 0; i < scan.points.size(); ++i) {
-    World3 d;
-    for (std::size_t a = 0; a < 3; ++a)
-      d[a] = scan.lattice.scale[a] * static_cast<double>(scan.points[i][a] - query.position[a]) -
-             query.remainder[a];
-    if (!(length_sq(d[0], d[1], d[2]) < radius * radius)) continue;
-    offsets.push_back(d);
-    const Normal& n = scan.normals[i];
-    normals.push_back({n[0], n[1], n[2]});
-  }
+  for_each_within(scan, query, reach(method.weight, support),
+                  [&](std::size_t i, const World3& offset) {
+                    offsets.push_back(offset);
+                    const Normal& n = scan.normals[i];
+                    normals.push_back({n[0], n[1], n[2]});
+                  });
   return project_by_oracle<Real>(offsets, support, method, {normals, scan.oriented});
 }
 

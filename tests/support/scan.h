@@ -104,6 +104,19 @@ class ScanProjector {
   Projector projector_;
 };
 
+/// Calls use(i, offset) for the points nearer to a query than `radius`, by brute force; the offset
+/// leads from the query to the point.
+template <class Use>
+void for_each_within(const Scan& scan, const Query& query, double radius, Use use) {
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    World3 d;
+    for (std::size_t a = 0; a < 3; ++a)
+      d[a] = scan.lattice.scale[a] * static_cast<double>(scan.points[i][a] - query.position[a]) -
+             query.remainder[a];
+    if (length_sq(d[0], d[1], d[2]) < radius * radius) use(i, d);
+  }
+}
+
 /// About `count` of the scan's points, spread over it.
 inline std::vector<Query> some_queries(const Scan& scan, std::size_t count) {
   std::vector<Query> queries;
