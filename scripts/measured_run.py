@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import resource
 import shutil
 import struct
 import subprocess
@@ -126,8 +127,8 @@ class Watch(threading.Thread):
 class Smoothed:
     """A finished job: its report, and the peaks by stage that were seen from outside."""
 
-    def __init__(self, report, watch, seconds):
-        self.report, self.seconds = report, seconds
+    def __init__(self, report, watch, seconds, processor_seconds):
+        self.report, self.seconds, self.processor_seconds = report, seconds, processor_seconds
         self.resident, self.disk = watch.resident, watch.disk
         self.stage_seconds = {"sort": report["seconds"]["plan"] + report["seconds"]["ingest"],
                               "widths": report["seconds"]["spacing"],
@@ -135,10 +136,16 @@ class Smoothed:
                               "write": report["seconds"]["write"]}
 
 
+def processor_seconds():
+    """Of all programs that were started and have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def smooth(scan, out, *words):
     """Runs pss smooth to its end."""
     report = out.with_suffix(".json")
-    began = time.monotonic()
+    began, used = time.monotonic(), processor_seconds()
     process = subprocess.Popen([PSS, "smooth", scan, "-o", out, "--progress", "json", "--report",
                                 report, *map(str, words)], stderr=subprocess.PIPE, text=True)
     watch = Watch(process, scan, out, out.with_name(out.name + ".part"),
@@ -155,7 +162,7 @@ def smooth(scan, out, *words):
     watch.join()
     if code != 0:
         sys.exit(f"pss smooth ended with {code}: " + " ".join(said[-3:]))
-    return Smoothed(json.loads(report.read_text()), watch, seconds)
+    return Smoothed(json.loads(report.read_text()), watch, seconds, processor_seconds() - used)
 
 
 def remove(out):
