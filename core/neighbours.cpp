@@ -2,29 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include "core/parallel.h"
+#include "core/cell_borders.h"
 #include "core/touched_cells.h"
 
 namespace pss {
 namespace {
 
-/// Points a cell on average, at least: what keeps the table small beside the points.
-constexpr std::size_t kPointsPerCell = 8;
 /// How many times cells are halved below the size that suits a single ball.
 constexpr int kFiner = 1;
-
-/// The side, as a power of two, of the smallest cell that holds both positions.
-int common_shift(const Index3& a, const Index3& b) {
-  const std::uint64_t differing =
-      (biased(a[0]) ^ biased(b[0])) | (biased(a[1]) ^ biased(b[1])) | (biased(a[2]) ^ biased(b[2]));
-  return 64 - std::countl_zero(differing);
-}
 
 /// Offsets on their way into vectors, which would clear what they are grown by.
 class OffsetBuffer {
@@ -101,52 +90,6 @@ class Smallest {
   std::size_t k_;
   std::vector<double> heap_;
 };
-
-/// Points that one task looks at when a grid is made.
-constexpr std::size_t kBlockPoints = std::size_t{1} << 15;
-
-/// How many points are parted from the one before by the borders of cells: element s of those that
-/// only a side of 2^s unites.
-using Borders = std::array<std::uint32_t, kLatticeBits + 1>;
-
-std::size_t block_count(std::size_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
-
-/// Calls visit(block, begin, end) for ranges of points, in parallel.
-template <class Visit>
-void for_each_block(std::size_t points, Visit visit) {
-  parallel_for(block_count(points), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b)
-      visit(b, b * kBlockPoints, std::min(points, (b + 1) * kBlockPoints));
-  });
-}
-
-/// The borders within each block and at its front.
-std::vector<Borders> count_borders(std::span<const Index3> points) {
-  std::vector<Borders> borders(block_count(points.size()));
-  for_each_block(points.size(), [&](std::size_t block, std::size_t begin, std::size_t end) {
-    Borders counts{};
-    for (std::size_t i = std::max<std::size_t>(begin, 1); i < end; ++i)
-      ++counts[static_cast<std::size_t>(common_shift(points[i - 1], points[i]))];
-    borders[block] = counts;
-  });
-  return borders;
-}
-
-/// How many of the borders remain where cells have the side 2^shift.
-std::size_t borders_above(const Borders& borders, int shift) {
-  return std::accumulate(borders.begin() + shift + 1, borders.end(), std::size_t{0});
-}
-
-/// The finest cells, at least of side 2^shift, that hold kPointsPerCell points on average.
-int affordable_shift(const std::vector<Borders>& borders, std::size_t points, int shift) {
-  int affordable = kLatticeBits;
-  for (; affordable > shift; --affordable) {
-    std::size_t cells = 1;
-    for (const Borders& block : borders) cells += borders_above(block, affordable - 1);
-    if (cells > points / kPointsPerCell + 1) break;
-  }
-  return affordable;
-}
 
 }  // namespace
 
