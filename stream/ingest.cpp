@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <future>
+#include <memory>
 #include <utility>
 
 #include "io/file.h"
@@ -30,6 +32,15 @@ std::string stored_summary(IngestSummary summary) {
   summary.merge_seconds = 0;
   return to_json(summary);
 }
+
+/// A run whose bytes are on their way to the disk.
+struct WrittenRun {
+  std::unique_ptr<RunWriter> file;
+  RunInfo info;
+  Cursor cursor;          ///< all before it is in the runs
+  IngestSummary summary;  ///< of all before the cursor
+  std::future<Result<void>> synced;
+};
 
 class Ingest {
  public:
@@ -94,12 +105,20 @@ class Ingest {
     PSS_ASSIGN(Reservation reservation, reserve(memory_.read_bytes));
     InputStream in(plan_, options_.source_column, state.cursor, state.summary);
     Chunk chunk(memory_.chunk_points, schema().row_size());
+    const Result<void> read = read_chunks(in, chunk, reservation, seconds_before, watch);
+    PSS_TRY(settle_run());
+    return read;
+  }
+
+  Result<void> read_chunks(InputStream& in, Chunk& chunk, Reservation& reservation,
+                           double seconds_before, const Stopwatch& watch) {
     while (!in.ended()) {
       PSS_TRY(fill(in, chunk));
       PSS_TRY(chunk.sort(monitor_));
+      PSS_TRY(settle_run());
       summary_ = in.summary();
       summary_.read_seconds = seconds_before + watch.seconds();
-      if (in.ended() && state.runs.empty()) {
+      if (in.ended() && log_->state().runs.empty()) {
         PSS_ASSIGN(done_, write_short(chunk, reservation));
         if (done_) return {};
       }
@@ -143,7 +162,19 @@ class Ingest {
         monitor_));
     PSS_ASSIGN(const RunInfo info, run.finish());
     summary_.read_seconds = seconds_before + watch.seconds();
-    return log_->add(info, cursor, summary_);
+    // The disk writes while the next chunk is read.
+    auto writer = std::make_unique<RunWriter>(std::move(run));
+    auto synced = std::async(std::launch::async, [&file = *writer] { return file.sync(); });
+    written_ = {std::move(writer), info, cursor, summary_, std::move(synced)};
+    return {};
+  }
+
+  /// Waits until the run written last is durable, and records it.
+  Result<void> settle_run() {
+    if (!written_.synced.valid()) return {};
+    PSS_TRY(written_.synced.get());
+    written_.file.reset();
+    return log_->add(written_.info, written_.cursor, written_.summary);
   }
 
   /// Everything fits in memory: straight to tiles. False where the tiles' buffers do not fit too.
@@ -217,6 +248,7 @@ class Ingest {
       monitor_.advance(batch.size());
     } while (batch.size() > 0);
     PSS_ASSIGN(const RunInfo info, out.finish());
+    PSS_TRY(out.sync());
     return log_->replace(count, info);
   }
 
@@ -258,6 +290,7 @@ class Ingest {
   IngestMemory memory_;
   std::optional<StoreWriter> store_;
   std::optional<RunLog> log_;
+  WrittenRun written_;
   IngestSummary summary_;
   bool done_ = false;  ///< all tiles are written, without any run
 };

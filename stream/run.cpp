@@ -12,8 +12,6 @@ namespace pss {
 namespace {
 
 constexpr std::size_t kIndexEntry = 2 * sizeof(std::uint64_t) + sizeof(std::uint64_t);
-/// Written bytes are handed to the disk this often, so that the last sync does not take seconds.
-constexpr std::uint64_t kSyncEvery = 64 << 20;
 
 /// A block's head: count, size and hash of each column, hash of the head, seeded with its offset.
 std::size_t head_size(const Schema& schema) {
@@ -77,9 +75,8 @@ Result<RunWriter> RunWriter::create(const std::string& folder, std::uint64_t id)
 Result<void> RunWriter::write(std::span<const std::byte> bytes) {
   PSS_TRY(file_.write(size_, bytes));
   size_ += bytes.size();
-  if (size_ - synced_ < kSyncEvery) return {};
-  synced_ = size_;
-  return file_.sync();
+  early_sync_.grown(file_.path(), size_);
+  return {};
 }
 
 Result<void> RunWriter::append(const Key& first, const EncodedBlock& block) {
@@ -98,9 +95,12 @@ Result<RunInfo> RunWriter::finish() {
   info_.data_size = size_;
   ByteWriter(index_).put(hash64(index_, size_));
   PSS_TRY(write(index_));
-  PSS_TRY(file_.sync());
-  PSS_TRY(sync_directory(folder_));
   return info_;
+}
+
+Result<void> RunWriter::sync() {
+  PSS_TRY(file_.sync());
+  return sync_directory(folder_);
 }
 
 RunReader::RunReader(File file, const RunInfo& info, const Schema& schema)

@@ -12,6 +12,7 @@
 #include "io/file.h"
 #include "io/schema.h"
 #include "stream/block.h"
+#include "stream/early_sync.h"
 #include "stream/keyed_rows.h"
 
 namespace pss {
@@ -37,8 +38,10 @@ class RunWriter {
 
   /// `first` is the key of the block's first point.
   Result<void> append(const Key& first, const EncodedBlock& block);
-  /// Index, sync, and the file's name made durable.
+  /// Writes the index, the last of the file.
   Result<RunInfo> finish();
+  /// Makes the file and its name durable. Thread: any, once finished.
+  Result<void> sync();
 
  private:
   RunWriter(File file, std::string folder, std::uint64_t id);
@@ -47,8 +50,8 @@ class RunWriter {
   std::string folder_;
   RunInfo info_;
   std::uint64_t size_ = 0;
-  std::uint64_t synced_ = 0;
   std::vector<std::byte> index_;
+  EarlySync early_sync_;
 };
 
 /// A block of a run as it lies in the file, checked and not decoded yet.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "stream/early_sync.h"
 #include "stream/encode_blocks.h"
 #include "stream/octants.h"
 #include "stream/row_ring.h"
@@ -13,7 +14,7 @@ namespace {
 
 constexpr std::size_t kReadAtOnce = 1 << 15;
 /// Tiles share syncs up to so many bytes: more is lost by a kill, fewer waits for the disk.
-constexpr std::uint64_t kSyncEvery = 64 << 20;
+constexpr std::uint64_t kSyncEvery = 256 << 20;
 
 std::size_t ring_capacity(const StoreHeader& header, std::uint64_t points) {
   return static_cast<std::size_t>(std::min<std::uint64_t>(header.tile_points, points) + 1);
@@ -83,6 +84,8 @@ class TileCutter {
         },
         [&](const EncodedBlock& block) { return store_.append(block); }, monitor_));
     PSS_TRY(store_.commit_tile(cell, {}, store_.unsynced_bytes() >= kSyncEvery));
+    const TileInfo& tile = store_.tiles().back();
+    early_sync_.grown(segment_path(store_.path(), tile.segment), tile.offset + tile.size);
     last_ = ring_.key(count - 1);
     ring_.pop(count);
     monitor_.advance(count, 1);
@@ -105,6 +108,7 @@ class TileCutter {
   StoreWriter& store_;
   Monitor& monitor_;
   RowRing ring_;
+  EarlySync early_sync_;
   KeyedRows batch_;
   bool ended_ = false;
   std::optional<Key> last_;  ///< of the tile before
