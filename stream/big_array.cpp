@@ -6,19 +6,13 @@
 #include <utility>
 
 namespace pss {
-namespace {
-
-/// Two huge pages: one of them lies within the array for certain.
-constexpr std::size_t kWorthHugePages = std::size_t{4} << 20;
-
-}  // namespace
 
 BigBytes::BigBytes(std::size_t size) : size_(size) {
   if (size == 0) return;
   void* const at = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (at == MAP_FAILED) throw std::bad_alloc();  // as a vector would
-  // It is advice: without huge pages all is the same, only slower.
-  if (size >= kWorthHugePages) madvise(at, size, MADV_HUGEPAGE);
+  // No huge pages: where the page cache fills the memory, making room for them costs the system
+  // far more time than the fewer misses of the sort save.
   data_ = static_cast<std::byte*>(at);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Large arrays for random access: in huge pages where the system has them, given back when freed.
+// Large arrays whose memory is used once it is touched, and given back when they go.
 
 #include <cstddef>
 #include <span>
@@ -24,8 +24,7 @@ class BigBytes {
   std::size_t size_ = 0;
 };
 
-/// A fixed number of plain values, zero at first. Memory is used once it is touched, and never
-/// more than the values: a huge page lies within the array or is not used.
+/// A fixed number of plain values, zero at first.
 template <class T>
 class BigArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
