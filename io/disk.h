@@ -1,6 +1,7 @@
 #pragma once
 // The system calls of the file layer, a function each, so that a test can link another disk.
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -56,5 +57,15 @@ Outcome sync_directory(const std::string& path);
 Outcome free_space(const std::string& path, std::uint64_t& bytes);
 /// The path without links and dots, as far as it exists; as it is where that cannot be told.
 std::string canonical(const std::string& path);
+
+/// Calls again as long as signals interrupt it.
+template <class Call>
+Outcome uninterrupted(const Call& call) {
+  Outcome outcome = 0;
+  do {
+    outcome = call();
+  } while (outcome == -EINTR);
+  return outcome;
+}
 
 }  // namespace pss::disk

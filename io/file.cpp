@@ -19,18 +19,8 @@ Error failure(std::string_view what, const std::string& path, disk::Outcome outc
   return {Fault::kFailed, fmt::format("{}: cannot {}: {}", path, what, code.message())};
 }
 
-/// Calls again what a signal interrupted.
-template <class Call>
-disk::Outcome uninterrupted(const Call& call) {
-  disk::Outcome outcome = 0;
-  do {
-    outcome = call();
-  } while (outcome == -EINTR);
-  return outcome;
-}
-
 disk::Outcome open_descriptor(const std::string& path, disk::Open how) {
-  return uninterrupted([&] { return disk::open(path, how); });
+  return disk::uninterrupted([&] { return disk::open(path, how); });
 }
 
 bool past_the_largest(std::uint64_t offset, std::size_t size) {
@@ -106,8 +96,8 @@ Result<std::uint64_t> File::size() const {
 Result<std::size_t> File::read_some(std::uint64_t offset, std::span<std::byte> out) const {
   std::size_t done = 0;
   while (done < out.size() && !past_the_largest(offset + done, out.size() - done)) {
-    const disk::Outcome got =
-        uninterrupted([&] { return disk::read(descriptor_, offset + done, out.subspan(done)); });
+    const disk::Outcome got = disk::uninterrupted(
+        [&] { return disk::read(descriptor_, offset + done, out.subspan(done)); });
     if (got < 0) return failure(fmt::format("read at offset {}", offset + done), path_, got);
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
@@ -128,8 +118,8 @@ Result<void> File::write(std::uint64_t offset, std::span<const std::byte> bytes)
   if (past_the_largest(offset, bytes.size())) return failure("write", path_, -EFBIG);
   std::size_t done = 0;
   while (done < bytes.size()) {
-    const disk::Outcome put =
-        uninterrupted([&] { return disk::write(descriptor_, offset + done, bytes.subspan(done)); });
+    const disk::Outcome put = disk::uninterrupted(
+        [&] { return disk::write(descriptor_, offset + done, bytes.subspan(done)); });
     if (put <= 0)
       return failure(fmt::format("write at offset {}", offset + done), path_,
                      put < 0 ? put : -ENOSPC);
@@ -140,7 +130,8 @@ Result<void> File::write(std::uint64_t offset, std::span<const std::byte> bytes)
 
 Result<void> File::truncate(std::uint64_t size) {
   if (size > kLargestOffset) return failure("resize", path_, -EFBIG);
-  const disk::Outcome outcome = uninterrupted([&] { return disk::truncate(descriptor_, size); });
+  const disk::Outcome outcome =
+      disk::uninterrupted([&] { return disk::truncate(descriptor_, size); });
   if (outcome < 0) return failure("resize", path_, outcome);
   return {};
 }

@@ -65,6 +65,7 @@ Result<void> make_directories(const std::string& path);
 Result<std::vector<std::string>> list_directory(const std::string& path);
 /// Removes a file or a whole directory; a missing one is no error.
 Result<void> remove_all(const std::string& path);
+/// Whether a path is there. Where that cannot be told it counts as there: opening it says why not.
 bool exists(const std::string& path);
 bool is_directory(const std::string& path);
 /// Whether two paths lead to one file.

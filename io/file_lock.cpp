@@ -22,8 +22,10 @@ disk::Outcome write_holder(int descriptor) {
   char host[256] = {};
   gethostname(host, sizeof host - 1);
   const std::string text = fmt::format("process {} on {}", getpid(), host);
-  const disk::Outcome outcome = disk::truncate(descriptor, 0);
-  return outcome < 0 ? outcome : disk::write(descriptor, 0, std::as_bytes(std::span(text)));
+  const disk::Outcome outcome = disk::uninterrupted([&] { return disk::truncate(descriptor, 0); });
+  if (outcome < 0) return outcome;
+  return disk::uninterrupted(
+      [&] { return disk::write(descriptor, 0, std::as_bytes(std::span(text))); });
 }
 
 Error failure(const std::string& path, disk::Outcome outcome) {
@@ -34,7 +36,8 @@ Error failure(const std::string& path, disk::Outcome outcome) {
 }  // namespace
 
 Result<FileLock> FileLock::take(const std::string& path) {
-  const disk::Outcome descriptor = disk::open(path, disk::Open::kOpenOrCreate);
+  const disk::Outcome descriptor =
+      disk::uninterrupted([&] { return disk::open(path, disk::Open::kOpenOrCreate); });
   if (descriptor < 0) return failure(path, descriptor);
   FileLock lock(static_cast<int>(descriptor));
   if (const auto outcome = disk::lock(lock.descriptor_, disk::Lock::kExclusive); outcome < 0) {

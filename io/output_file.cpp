@@ -4,6 +4,7 @@
 
 #include <cassert>
 #include <cerrno>
+#include <system_error>
 #include <utility>
 
 #include "io/disk.h"
@@ -20,14 +21,20 @@ Error exists_already(const std::string& path) {
   return {Fault::kFailed, fmt::format("{}: exists; use --overwrite to replace it", path)};
 }
 
+Error rename_failure(const std::string& from, const std::string& to, disk::Outcome outcome) {
+  const std::error_code code(static_cast<int>(-outcome), std::generic_category());
+  return {Fault::kFailed, fmt::format("{}: cannot rename to {}: {}", from, to, code.message())};
+}
+
 /// Gives a file its name, but never takes that name from another file that came meanwhile.
 Result<void> rename_to_free_name(const std::string& from, const std::string& to) {
   const disk::Outcome outcome = disk::rename_to_free(from, to);
   if (outcome == 0) return sync_directory(directory_of(to));
   if (outcome == -EEXIST) return exists_already(to);
-  // Not every file system knows the flag.
-  if (exists(to)) return exists_already(to);
-  return rename_file(from, to);
+  // Not every file system knows the call.
+  const bool unknown = outcome == -EINVAL || outcome == -ENOSYS || outcome == -EOPNOTSUPP;
+  if (unknown && exists(to)) return exists_already(to);
+  return unknown ? rename_file(from, to) : rename_failure(from, to, outcome);
 }
 
 }  // namespace

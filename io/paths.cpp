@@ -74,7 +74,8 @@ Result<void> remove_all(const std::string& path) {
 
 bool exists(const std::string& path) {
   disk::Status status;  // a link that leads nowhere is there, too
-  return disk::status(path, disk::Links::kKeep, status) == 0;
+  const disk::Outcome outcome = disk::status(path, disk::Links::kKeep, status);
+  return outcome != -ENOENT && outcome != -ENOTDIR;
 }
 
 bool is_directory(const std::string& path) {

@@ -161,7 +161,7 @@ Result<LogWriter> LogWriter::create(const std::string& path, std::uint32_t type,
 }
 
 Result<LogWriter> LogWriter::open(const std::string& path, const LogVisitor& visit) {
-  PSS_ASSIGN(File file, File::open_or_create(path));
+  PSS_ASSIGN(File file, File::open_to_write(path));
   PSS_ASSIGN(const std::uint64_t size, read_records(file, Tail::kMayBeTorn, visit));
   PSS_TRY(file.truncate(size));
   // What was read may be in the page cache only; from here on it counts as durable.

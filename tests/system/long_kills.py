@@ -14,14 +14,17 @@ import harness
 
 THREADS = [1, 2]
 LIMITS = ["128M", "192M", "1G"]
+STAGES = ["start", "ingest", "merge", "widths", "normals", "smooth", "export", "end"]
 
 
 def stage_of(work):
     """In which stage a job was killed, by what it left."""
-    if not (work / "job.json").exists():
+    try:
+        complete = json.loads((work / "job.json").read_text())["complete"]
+    except FileNotFoundError:
         return "start"
-    if json.loads((work / "job.json").read_text())["complete"]:
-        return "end"
+    if complete:
+        return "end" if (work.parent / "out.las").exists() else "start"
     for name, stage in (("result.pss", "smooth"), ("normals.pss", "normals")):
         if (work / name / "manifest").exists():
             return "export" if stage == "smooth" else "smooth"
@@ -62,8 +65,7 @@ class Kills:
         job = harness.start(*self.words(
             self.out, "--threads", self.random.choice(THREADS),
             "--memory-limit", self.random.choice(LIMITS)))
-        # Short lives for a job to be killed in every stage; long ones for it to go on.
-        time.sleep(self.seconds * self.random.choice([0.05, 0.2, 0.6]) * self.random.random())
+        self.wait(job)
         if not harness.ended(job):
             harness.signal_to(job, signal.SIGKILL)
         run = harness.finish(job)
@@ -73,6 +75,16 @@ class Kills:
             self.complete()
         else:
             sys.exit(f"after {sum(self.stages.values())} kills: exit {run.code}: {run.err}")
+
+    def wait(self, job):
+        """Until a random time, or a random moment of a random stage that is still to come."""
+        if self.random.random() < 0.5:
+            time.sleep(self.seconds * self.random.choice([0.05, 0.2, 0.6]) * self.random.random())
+            return
+        target = self.random.choice(STAGES)
+        while not harness.ended(job) and STAGES.index(stage_of(self.work)) < STAGES.index(target):
+            time.sleep(0.0005)
+        time.sleep(self.random.random() * 0.02)
 
     def complete(self):
         found = harness.sha256(self.out)
