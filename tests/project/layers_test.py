@@ -19,14 +19,15 @@ LIBRARIES = {
 }
 # Headers and words by which a program reaches the disk, and the files that may use them.
 DISK_HEADER = re.compile(
-    r"fcntl\.h|glob\.h|dirent\.h|filesystem|fstream|sys/(stat|statvfs|file|mman|uio|sendfile)\.h")
+    r"fcntl\.h|glob\.h|dirent\.h|filesystem|fstream|sys/(stat|statvfs|file|uio|sendfile)\.h")
 DISK_WORD = re.compile(
     r"std::filesystem|\bstd::(fopen|remove|rename|tmpfile)\b|\b(fopen|fdopen|freopen|mkstemp|mkdtemp)\(|"
     r"(?<![\w.>:])::(open|creat|read|write|pread|pwrite|rename|unlink|mkdir|rmdir|stat|fsync|fdatasync|"
     r"ftruncate|truncate|close)\(")
 DISK_FILES = {
     "io/disk_posix.cpp",
-    "stream/memory.cpp",  # reads what the kernel says of memory in /proc and /sys: no disk
+    # What the kernel says of this process in /proc and /sys: no disk.
+    "stream/cgroup.cpp", "stream/memory.cpp", "stream/transfer.cpp",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
