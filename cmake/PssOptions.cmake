@@ -16,7 +16,9 @@ target_compile_options(pss_options INTERFACE
   # g++ 12 also warns of designated initializers, whose point is to leave the rest at its default.
   -Wno-missing-field-initializers
   # The same bits on every machine: products and sums are fused only where the code says so.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # g++ 12 drops the rounding to float of pairs of doubles that this pass makes one vector of.
+  $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 if(PSS_SANITIZE)
   target_compile_options(pss_options INTERFACE -fsanitize=${PSS_SANITIZE} -fno-omit-frame-pointer
                                                -fno-sanitize-recover=all)
