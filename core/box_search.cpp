@@ -44,7 +44,7 @@ class CellGrid::BoxSearch {
   }
 
  private:
-  static constexpr std::size_t kFewPoints = 32;  // not worth a search among
+  static constexpr std::size_t kFewPoints = 64;  // not worth a search among
   static constexpr std::size_t kFewCells = 128;  // looked at one by one
 
   /// The first of so many cells from `first` on whose key is not less, without a branch.

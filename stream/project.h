@@ -100,8 +100,11 @@ class ProjectOperator : public Operator {
   /// Fills the supports of a part from k-th distances; whether some need more than is loaded.
   bool find_supports(Part& part) const;
   void find_supports(Part& part, Surround& group) const;
-  /// More than any ball of the part holds, point by point: the number for the fullest.
-  std::uint64_t fullest_ball(const Part& part) const;
+  /// At least what the part's fullest ball holds; counted point by point where that is more than
+  /// `enough`.
+  std::uint64_t fullest_ball(const Part& part, std::uint64_t enough) const;
+  std::uint64_t fullest_ball(const Part& part, const PointRange& own, std::uint64_t enough,
+                             std::vector<PointRange>& ranges) const;
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
   /// How far a query with this support looks, and one with a typical support.

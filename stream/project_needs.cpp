@@ -19,6 +19,8 @@ namespace {
 constexpr std::uint64_t kUsualBall = 2048;
 /// Points that are surrounded together where each owns its support.
 constexpr std::size_t kGroupPoints = 256;
+/// Points whose balls are counted together first.
+constexpr std::size_t kBallGroup = 256;
 constexpr std::size_t kGuessStep = 4;  ///< of so many points one is asked for a guess
 
 }  // namespace
@@ -129,7 +131,7 @@ Preparation ProjectOperator::prepare(Part& part) const {
   const std::uint64_t bound =
       ball_bound(source_lattice_, part.candidates, widest_reach(part), reserved);
   if (std::min(bound, part.ball_points) <= reserved) return {};
-  const std::uint64_t counted = std::min({bound, part.ball_points, fullest_ball(part)});
+  const std::uint64_t counted = std::min({bound, part.ball_points, fullest_ball(part, reserved)});
   return {false, counted <= reserved ? 0 : counted};
 }
 
@@ -157,23 +159,37 @@ double ProjectOperator::widest_reach(const Part& part) const {
   return std::min(widest, loaded);
 }
 
-std::uint64_t ProjectOperator::fullest_ball(const Part& part) const {
-  const std::size_t chunk_count = (part.own.size() + kChunkPoints - 1) / kChunkPoints;
-  std::vector<std::uint64_t> most(chunk_count, 0);
-  parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
+std::uint64_t ProjectOperator::fullest_ball(const Part& part, std::uint64_t enough) const {
+  const std::size_t groups = (part.own.size() + kBallGroup - 1) / kBallGroup;
+  std::vector<std::uint64_t> most(groups, 0);
+  parallel_for(groups, 8, [&](std::size_t begin, std::size_t end) {
     std::vector<PointRange> ranges;
-    for (std::size_t i = begin * kChunkPoints; i < std::min(end * kChunkPoints, part.own.size());
-         ++i) {
-      if (i > 0 && part.own[i] == part.own[i - 1]) continue;
-      const double reach = reach_of_own(part, i);
-      if (reach <= 0) continue;
-      part.grid->gather_ranges({part.own[i], part.own[i]}, reach, ranges);
-      std::uint64_t points = 0;
-      for (const PointRange& range : ranges) points += range.end - range.begin;
-      most[i / kChunkPoints] = std::max(most[i / kChunkPoints], points);
-    }
+    for (std::size_t g = begin; g < end; ++g)
+      most[g] = fullest_ball(
+          part, {g * kBallGroup, std::min((g + 1) * kBallGroup, part.own.size())}, enough, ranges);
   });
   return *std::ranges::max_element(most);
+}
+
+/// What lies around all of the own points together, unless that is more than `enough`: then they
+/// are counted in ever smaller groups, down to copies of one position.
+std::uint64_t ProjectOperator::fullest_ball(const Part& part, const PointRange& own,
+                                            std::uint64_t enough,
+                                            std::vector<PointRange>& ranges) const {
+  IndexBox box;
+  double reach = 0;
+  for (std::size_t i = own.begin; i < own.end; ++i) {
+    box.add(part.own[i]);
+    reach = std::max(reach, reach_of_own(part, i));
+  }
+  if (reach <= 0) return 0;
+  part.grid->gather_ranges(box, reach, ranges);
+  std::uint64_t points = 0;
+  for (const PointRange& range : ranges) points += range.end - range.begin;
+  if (points <= enough || box.min == box.max) return points;
+  const std::size_t middle = own.begin + (own.end - own.begin) / 2;
+  return std::max(fullest_ball(part, {own.begin, middle}, enough, ranges),
+                  fullest_ball(part, {middle, own.end}, enough, ranges));
 }
 
 bool ProjectOperator::find_supports(Part& part) const {
