@@ -27,7 +27,8 @@ Committer::~Committer() {
   }
   changed_.notify_all();
   thread_.join();
-  // Tiles that are finished count, also when the run is not. A failure shows again at the next one.
+  // Tiles that are finished count, also when the run is not. A failure is the writer's from here
+  // on: it says so at the next call, if there is one.
   if (!error_) static_cast<void>(writer_.sync().has_value());
 }
 

@@ -170,18 +170,22 @@ Result<LogWriter> LogWriter::open(const std::string& path, const LogVisitor& vis
 }
 
 Result<void> LogWriter::append(std::uint32_t type, std::span<const std::byte> payload) {
-  PSS_ASSIGN(const Head head, make_head(file_.path(), type, durable_, payload));
-  std::vector<std::byte> bytes;
-  append_record(bytes, size_, head, payload);
-  PSS_TRY(file_.write(size_, bytes));
-  size_ += bytes.size();
-  return {};
+  return failure_.guard([&]() -> Result<void> {
+    PSS_ASSIGN(const Head head, make_head(file_.path(), type, durable_, payload));
+    std::vector<std::byte> bytes;
+    append_record(bytes, size_, head, payload);
+    PSS_TRY(file_.write(size_, bytes));
+    size_ += bytes.size();
+    return {};
+  });
 }
 
 Result<void> LogWriter::sync() {
-  PSS_TRY(file_.sync());
-  durable_ = size_;
-  return {};
+  return failure_.guard([&]() -> Result<void> {
+    PSS_TRY(file_.sync());
+    durable_ = size_;
+    return {};
+  });
 }
 
 }  // namespace pss

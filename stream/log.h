@@ -10,6 +10,7 @@
 
 #include "core/result.h"
 #include "io/file.h"
+#include "stream/first_failure.h"
 
 namespace pss {
 
@@ -39,7 +40,8 @@ enum class Tail {
 /// Errors: kBadInput with file and offset where it is damaged or no log, and what `visit` returns.
 Result<std::uint64_t> read_log(const std::string& path, Tail tail, const LogVisitor& visit);
 
-/// Appends records. A failed append or sync is final: the log is opened anew, if at all.
+/// Appends records. A failed append or sync is final: later ones give the same error and do
+/// nothing.
 class LogWriter {
  public:
   /// Makes a log with a first record, both durable before it has its name.
@@ -57,6 +59,7 @@ class LogWriter {
  private:
   LogWriter(File file, std::uint64_t size) : file_(std::move(file)), size_(size), durable_(size) {}
   File file_;
+  FirstFailure failure_;
   std::uint64_t size_ = 0;
   std::uint64_t durable_ = 0;
 };

@@ -136,6 +136,24 @@ Result<void> StoreWriter::next_segment() {
 }
 
 Result<void> StoreWriter::append(const EncodedBlock& block) {
+  return failure_.guard([&] { return write_block(block); });
+}
+
+Result<void> StoreWriter::commit_tile(const Cell& cell, std::vector<std::byte> note,
+                                      bool sync_now) {
+  PSS_TRY(failure_.guard([&] { return end_tile(cell, std::move(note)); }));
+  return sync_now ? sync() : Result<void>();
+}
+
+Result<void> StoreWriter::sync() {
+  return failure_.guard([&] { return write_records(); });
+}
+
+Result<void> StoreWriter::finish(const std::string& summary) {
+  return failure_.guard([&] { return end_store(summary); });
+}
+
+Result<void> StoreWriter::write_block(const EncodedBlock& block) {
   assert(!complete() && block.count > 0);
   if (!segment_ || (blocks_.empty() && segment_size_ >= segment_limit_)) PSS_TRY(next_segment());
   PSS_TRY(segment_->write(segment_size_, block.bytes));
@@ -148,8 +166,7 @@ Result<void> StoreWriter::append(const EncodedBlock& block) {
   return {};
 }
 
-Result<void> StoreWriter::commit_tile(const Cell& cell, std::vector<std::byte> note,
-                                      bool sync_now) {
+Result<void> StoreWriter::end_tile(const Cell& cell, std::vector<std::byte> note) {
   assert(!blocks_.empty());
   const auto index = encode_index(blocks_);
   PSS_TRY(segment_->write(segment_size_, index));
@@ -170,10 +187,10 @@ Result<void> StoreWriter::commit_tile(const Cell& cell, std::vector<std::byte> n
   unsynced_bytes_ += tile.size;
   manifest_.tiles.push_back(std::move(tile));
   blocks_.clear();
-  return sync_now ? sync() : Result<void>();
+  return {};
 }
 
-Result<void> StoreWriter::sync() {
+Result<void> StoreWriter::write_records() {
   if (recorded_ == manifest_.tiles.size()) return {};
   // Order: points before the records that speak of them. Otherwise a power cut could leave a
   // record whose tile is not on the disk.
@@ -185,9 +202,9 @@ Result<void> StoreWriter::sync() {
   return log_->sync();
 }
 
-Result<void> StoreWriter::finish(const std::string& summary) {
+Result<void> StoreWriter::end_store(const std::string& summary) {
   assert(!complete() && blocks_.empty());
-  PSS_TRY(sync());
+  PSS_TRY(write_records());
   PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kEnd),
                        encode_end(manifest_.tiles.size(), manifest_.points(), summary)));
   PSS_TRY(log_->sync());

@@ -12,6 +12,7 @@
 #include "core/result.h"
 #include "io/file.h"
 #include "stream/block.h"
+#include "stream/first_failure.h"
 #include "stream/log.h"
 #include "stream/manifest.h"
 
@@ -27,6 +28,7 @@ Result<void> remove_store(const std::string& path);
 
 /// Appends tiles to a store, durably, one at a time.
 ///
+/// A failure is final: whatever is called after it gives the same error and does nothing.
 /// Thread: one.
 class StoreWriter {
  public:
@@ -64,9 +66,14 @@ class StoreWriter {
   Result<void> open_manifest(const std::string& name);
   Result<void> cut_segments();
   Result<void> next_segment();
+  Result<void> write_block(const EncodedBlock& block);
+  Result<void> end_tile(const Cell& cell, std::vector<std::byte> note);
+  Result<void> write_records();
+  Result<void> end_store(const std::string& summary);
   Result<void> rename_manifest();
   std::string path_;
   std::uint64_t segment_limit_ = kSegmentSize;
+  FirstFailure failure_;
   Manifest manifest_;
   std::optional<LogWriter> log_;
   std::size_t recorded_ = 0;  ///< tiles whose record is in the log

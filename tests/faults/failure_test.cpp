@@ -19,9 +19,8 @@ bool transfers(Call call) { return call == Call::kRead || call == Call::kWrite; 
 bool restarts(Call call) {
   return transfers(call) || call == Call::kOpen || call == Call::kTruncate;
 }
-/// Never done again in silence. A record whose write failed may be written once more, and what a
-/// removal leaves is removed later: there the bytes decide.
-bool final(Call call) { return changes(call) && call != Call::kWrite && call != Call::kRemoveFile; }
+/// Never done again in silence. What a removal leaves is removed later: there the bytes decide.
+bool final(Call call) { return changes(call) && call != Call::kRemoveFile; }
 
 class FailAt : public testing::TestWithParam<Failing> {};
 
