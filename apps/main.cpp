@@ -10,6 +10,7 @@
 #include <span>
 
 #include "apps/command.h"
+#include "apps/signals.h"
 #include "stream/memory.h"
 
 namespace pss {
@@ -107,6 +108,7 @@ int run(int argc, char** argv) {
 }  // namespace pss
 
 int main(int argc, char** argv) {
+  pss::exit_on_signals();  // first: before a job there is nothing to stop in order
   pss::configure_allocator();
   try {
     return pss::run(argc, argv);

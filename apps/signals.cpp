@@ -18,6 +18,8 @@ void on_signal(int number) {
   if (signalled.exchange(true) && number == SIGINT) _exit(kExitInterrupted);
 }
 
+void exit_at_once(int) { _exit(kExitInterrupted); }
+
 void install(void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
@@ -29,12 +31,14 @@ void install(void (*handler)(int)) {
 
 }  // namespace
 
+void exit_on_signals() { install(exit_at_once); }
+
 SignalWatch::SignalWatch() {
   signalled = false;
   install(on_signal);
 }
 
-SignalWatch::~SignalWatch() { install(SIG_DFL); }
+SignalWatch::~SignalWatch() { exit_on_signals(); }
 
 bool SignalWatch::stopping() const { return signalled.load(std::memory_order_relaxed); }
 

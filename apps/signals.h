@@ -1,9 +1,12 @@
 #pragma once
-// SIGINT and SIGTERM as a flag that work looks at; a second SIGINT ends the process at once.
+// SIGINT and SIGTERM: the end of the process, or, while work goes on, a flag that it looks at.
 
 namespace pss {
 
-/// Catches both signals while it lives; one at a time.
+/// From now on both signals end the process with exit code 130, unless a SignalWatch lives.
+void exit_on_signals();
+
+/// Catches both signals while it lives, one at a time; a second SIGINT ends the process at once.
 class SignalWatch {
  public:
   SignalWatch();
