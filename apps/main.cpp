@@ -5,11 +5,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <new>
+#include <exception>
 #include <optional>
 #include <span>
 
 #include "apps/command.h"
+#include "apps/out_of_memory.h"
 #include "apps/signals.h"
 #include "stream/memory.h"
 
@@ -109,12 +110,12 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   pss::exit_on_signals();  // first: before a job there is nothing to stop in order
+  pss::exit_when_out_of_memory();
   pss::configure_allocator();
   try {
     return pss::run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "pss: the system gave no more memory; use a smaller --memory-limit\n");
   } catch (const std::exception& unexpected) {
+    pss::exit_if_out_of_memory(std::current_exception());
     fmt::print(stderr, "pss: unexpected: {}\n", unexpected.what());
   }
   return static_cast<int>(pss::Fault::kFailed);

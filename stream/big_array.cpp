@@ -10,7 +10,10 @@ namespace pss {
 BigBytes::BigBytes(std::size_t size) : size_(size) {
   if (size == 0) return;
   void* const at = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (at == MAP_FAILED) throw std::bad_alloc();  // as a vector would
+  if (at == MAP_FAILED) {  // as a vector would
+    if (const std::new_handler handler = std::get_new_handler()) handler();
+    throw std::bad_alloc();
+  }
   // No huge pages: where the page cache fills the memory, making room for them costs the system
   // far more time than the fewer misses of the sort save.
   data_ = static_cast<std::byte*>(at);
