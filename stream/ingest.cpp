@@ -90,8 +90,9 @@ class Ingest {
       return plan_.points - std::min(plan_.points, done);
     };
     const bool short_path = state.runs.empty() && plan_.points <= memory_.chunk_points;
-    return check_disk(plan_, {short_path ? 0 : left(state.summary.points_read), left(stored)},
-                      store_path_, work_dir_, monitor_);
+    const DiskWork work{short_path ? 0 : left(state.summary.points_read), left(stored),
+                        memory_.chunk_points, options_.source_column};
+    return check_disk(plan_, work, store_path_, work_dir_, monitor_);
   }
 
   /// Reads from the cursor to the end of the inputs, a run at a time.

@@ -60,6 +60,12 @@ Result<void> InputStream::read(std::size_t max, KeyedRows& out) {
   return {};
 }
 
+Result<void> InputStream::seek(const Cursor& to) {
+  if (to.input != cursor_.input) reader_.reset();
+  cursor_ = to;
+  return reader_ ? reader_->seek(to.record) : Result<void>();
+}
+
 Result<void> InputStream::place(KeyedRows& out) {
   const std::size_t n = batch_.size();
   out.keys.resize(n);

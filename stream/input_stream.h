@@ -32,6 +32,9 @@ class InputStream {
   /// Errors: kBadInput with file and record where a position lies outside the lattice.
   Result<void> read(std::size_t max, KeyedRows& out);
 
+  /// Goes on from there; the counts stay what they are.
+  Result<void> seek(const Cursor& to);
+
   bool ended() const { return cursor_.input == plan_.inputs.size(); }
   const Cursor& cursor() const { return cursor_; }
   const IngestSummary& summary() const { return summary_; }
