@@ -15,6 +15,14 @@
 namespace pss {
 namespace {
 
+Result<void> check_free(const std::string& folder, std::uint64_t present, std::uint64_t needed,
+                        const char* what) {
+  PSS_ASSIGN(const std::uint64_t free, free_space(folder));
+  if (free + present >= needed) return {};
+  return Error{Fault::kFailed, fmt::format("{}: {} MiB free, about {} MiB needed {}, or make room",
+                                           folder, free >> 20, needed >> 20, what)};
+}
+
 /// One run of a job, stage by stage, in the order of the members.
 class SmoothRun {
  public:
@@ -172,23 +180,24 @@ Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) 
   return result.complete() ? Result<void>() : result.finish(result_summary(report_));
 }
 
-/// The stores that are still to be written and the output must fit on the disk, uncompressed at
-/// worst.
+/// The stores that are still to be written must fit on the work directory's disk, and the output,
+/// uncompressed at worst, on its own, which may be the same.
 Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& op,
                                     const WorkDirectory& work) const {
-  const std::uint64_t needed = bytes_to_write(source, op, report_.normals);
-  PSS_ASSIGN(const std::uint64_t free, free_space(work.path()));
+  const auto [stores, output] = bytes_to_write(source, op, report_.normals, job_.output);
+  const std::string folder = directory_of(job_.output);
+  const bool apart = !same_disk(work.path(), folder);
+  if (apart) PSS_TRY(check_free(folder, 0, output, "for the output; write it to another disk"));
   std::uint64_t present = 0;
   for (const std::string& path : {work.normals_store(), work.result_store()}) {
     if (!is_store(path)) continue;
     PSS_ASSIGN(const Store store, Store::open(path));
     present += store.bytes_on_disk();
   }
-  if (free + present >= needed) return {};
-  return Error{Fault::kFailed,
-               fmt::format("{}: {} MiB free, about {} MiB needed for the result and the output; "
-                           "make room, or use --work-dir on another disk",
-                           work.path(), free >> 20, needed >> 20)};
+  return apart ? check_free(work.path(), present, stores,
+                            "for the result; use --work-dir on another disk")
+               : check_free(work.path(), present, stores + output,
+                            "for the result and the output; use --work-dir on another disk");
 }
 
 Result<void> SmoothRun::write(const WorkDirectory& work) {

@@ -58,7 +58,8 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
     estimate.halo_share =
         static_cast<double>(schedule.halo_points) / static_cast<double>(schedule.own_points);
   estimate.peak_memory = budget.limit() - budget.total() + schedule.peak_bytes;
-  estimate.disk_bytes = bytes_to_write(source, op, estimate.normals);
+  const BytesToWrite bytes = bytes_to_write(source, op, estimate.normals, job.output);
+  estimate.disk_bytes = bytes.stores + bytes.output;
   add_times(estimate, usual_neighbours(estimate.widths));
   return estimate;
 }

@@ -156,16 +156,17 @@ Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& j
   return ProjectOperator::create(source, parameters);
 }
 
-std::uint64_t bytes_to_write(const Store& source, const ProjectOperator& op, NormalsFrom normals) {
+BytesToWrite bytes_to_write(const Store& source, const ProjectOperator& op, NormalsFrom normals,
+                            const std::string& output) {
   const auto size_with = [](std::size_t row) { return static_cast<double>(sizeof(Index3) + row); };
   const std::size_t source_row = source.header().schema.row_size();
   const std::size_t row = op.result_header().schema.row_size();
-  const auto points = static_cast<double>(source.points());
   const double per_byte = static_cast<double>(source.bytes_on_disk()) / size_with(source_row);
-  double bytes = per_byte * size_with(row) + points * static_cast<double>(3 * sizeof(int) + row);
+  double stores = per_byte * size_with(row);
   if (normals == NormalsFrom::kFirstPass)
-    bytes += per_byte * size_with(source_row + sizeof(Normal));
-  return static_cast<std::uint64_t>(bytes);
+    stores += per_byte * size_with(source_row + sizeof(Normal));
+  return {static_cast<std::uint64_t>(stores),
+          is_store_name(output) ? 0 : source.points() * (3 * sizeof(int) + row)};
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {
