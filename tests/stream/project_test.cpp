@@ -12,14 +12,18 @@ namespace {
 
 using namespace test;
 
-/// Stops at the n-th question.
-class StopAt : public Monitor {
+/// Stops when a tile is done and points of the next are.
+class StopWithinSecondTile : public Monitor {
  public:
-  explicit StopAt(int n) : left_(n) {}
-  bool stopping() const override { return --left_ < 0; }
+  void advance(std::uint64_t points, std::uint64_t tiles) override {
+    if (tile_done_ && points > 0) stopping_ = true;
+    if (tiles > 0) tile_done_ = true;
+  }
+  bool stopping() const override { return stopping_; }
 
  private:
-  mutable std::atomic<int> left_;
+  std::atomic<bool> tile_done_ = false;
+  std::atomic<bool> stopping_ = false;
 };
 
 /// The limit that leaves `bytes` for parts.
@@ -170,7 +174,7 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
 
   int interruptions = 0;
   for (bool done = false; !done;) {
-    StopAt monitor(6);  // enough for a tile or two
+    StopWithinSecondTile monitor;
     StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
     const auto summary = run_operator(source, op, writer, budget, monitor);
     done = summary.has_value();
@@ -182,7 +186,7 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
     }
   }
 
-  EXPECT_GT(interruptions, 1);
+  EXPECT_EQ(interruptions, static_cast<int>(source.tiles().size()) - 1);
   expect_equal(expect_value(read_all(expect_value(Store::open(folder / "r.pss")))), expected);
 }
 
