@@ -67,24 +67,23 @@ void Chunk::get(std::size_t begin, std::span<Index3> positions, std::span<std::b
   });
 }
 
+void Chunk::read(std::size_t& next, std::size_t max, KeyedRows& out) const {
+  const std::size_t first = next;
+  const std::size_t n = std::min(max, size_ - first);
+  out.row_size = row_size_;
+  out.keys.resize(n);
+  out.rows.resize(n * row_size_);
+  parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    get(first + begin, std::span(out.keys).subspan(begin, end - begin),
+        std::span(out.rows).subspan(begin * row_size_, (end - begin) * row_size_));
+  });
+  next += n;
+}
+
 std::uint64_t Chunk::bytes_per_point(std::size_t row_size) {
   return sizeof(Key) + row_size + sizeof(KeyEntry);
 }
 
 std::uint64_t Chunk::sort_bytes_per_point() { return sizeof(KeyEntry) + kSortListBytes; }
-
-Result<void> ChunkStream::read(std::size_t max, KeyedRows& out) {
-  const std::size_t n = std::min(max, chunk_.size() - next_);
-  const std::size_t row = chunk_.row_size();
-  out.row_size = row;
-  out.keys.resize(n);
-  out.rows.resize(n * row);
-  parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
-    chunk_.get(next_ + begin, std::span(out.keys).subspan(begin, end - begin),
-               std::span(out.rows).subspan(begin * row, (end - begin) * row));
-  });
-  next_ += n;
-  return {};
-}
 
 }  // namespace pss

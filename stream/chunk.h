@@ -35,6 +35,8 @@ class Chunk {
   /// Copies the points [begin, begin + keys.size()) out.
   void get(std::size_t begin, std::span<Key> keys, std::span<std::byte> rows) const;
   void get(std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) const;
+  /// Replaces `out` by the points from `next` on, at most `max`; `next` moves past them.
+  void read(std::size_t& next, std::size_t max, KeyedRows& out) const;
 
   std::size_t row_size() const { return row_size_; }
 
@@ -58,7 +60,10 @@ class ChunkStream : public SortedStream {
  public:
   ChunkStream(const Chunk& chunk, std::size_t begin) : chunk_(chunk), next_(begin) {}
 
-  Result<void> read(std::size_t max, KeyedRows& out) override;
+  Result<void> read(std::size_t max, KeyedRows& out) override {
+    chunk_.read(next_, max, out);
+    return {};
+  }
 
  private:
   const Chunk& chunk_;

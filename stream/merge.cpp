@@ -10,7 +10,6 @@ namespace {
 
 /// Longer rounds gain nothing: they leave the caches.
 constexpr std::size_t kRoundPoints = 1 << 18;
-constexpr std::size_t kGrain = 4096;
 
 std::size_t decoded_at_once() { return 2 * static_cast<std::size_t>(thread_count()); }
 
@@ -149,15 +148,7 @@ Result<void> MergeStream::merge_round() {
 
 Result<void> MergeStream::read(std::size_t max, KeyedRows& out) {
   if (next_ == round_.size()) PSS_TRY(merge_round());
-  const std::size_t n = std::min(max, round_.size() - next_);
-  out.row_size = row_size_;
-  out.keys.resize(n);
-  out.rows.resize(n * row_size_);
-  parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
-    round_.get(next_ + begin, std::span(out.keys).subspan(begin, end - begin),
-               std::span(out.rows).subspan(begin * row_size_, (end - begin) * row_size_));
-  });
-  next_ += n;
+  round_.read(next_, max, out);
   return {};
 }
 

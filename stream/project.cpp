@@ -5,38 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "core/neighbours.h"
 #include "core/parallel.h"
+#include "core/spares.h"
 
 namespace pss {
 namespace {
 
 constexpr int kMostRefinement = 256;
-
-/// What tasks leave for those that come after them, so that each thread makes one.
-template <class T>
-class Spares {
- public:
-  std::unique_ptr<T> take() {
-    const std::lock_guard lock(mutex_);
-    if (spares_.empty()) return nullptr;
-    std::unique_ptr<T> spare = std::move(spares_.back());
-    spares_.pop_back();
-    return spare;
-  }
-
-  void give(std::unique_ptr<T> spare) {
-    const std::lock_guard lock(mutex_);
-    spares_.push_back(std::move(spare));
-  }
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<T>> spares_;
-};
 
 /// The largest step count that a move of `length` can take on any axis.
 double steps(const Lattice& lattice, double length) {

@@ -10,6 +10,7 @@
 #include "core/morton.h"
 #include "core/parallel.h"
 #include "core/projector.h"
+#include "core/spares.h"
 #include "core/support.h"
 
 namespace pss::bench {
@@ -86,24 +87,15 @@ class Pass {
     std::vector<Projection> results;
   };
 
-  std::unique_ptr<Worker> take_worker() {
-    const std::scoped_lock lock(mutex_);
-    if (idle_.empty()) return nullptr;
-    std::unique_ptr<Worker> worker = std::move(idle_.back());
-    idle_.pop_back();
-    return worker;
-  }
-
   void project(std::size_t begin, std::size_t end) {
-    std::unique_ptr<Worker> worker = take_worker();
+    std::unique_ptr<Worker> worker = idle_.take();
     if (!worker) worker = std::make_unique<Worker>(*this);
     const std::span queries = std::span(worker->queries).first(end - begin);
     const std::span results = std::span(worker->results).first(end - begin);
     for (std::size_t i = begin; i < end; ++i) queries[i - begin].position = sorted_.points[i];
     worker->projector.project(queries, std::span(&support_, 1), results);
     put(begin, results);
-    const std::scoped_lock lock(mutex_);
-    idle_.push_back(std::move(worker));
+    idle_.give(std::move(worker));
   }
 
   void put(std::size_t begin, std::span<const Projection> results) {
@@ -127,8 +119,8 @@ class Pass {
   Support support_;
   CellGrid grid_;
   Smoothed smoothed_;
+  Spares<Worker> idle_;
   std::mutex mutex_;  // of what follows
-  std::vector<std::unique_ptr<Worker>> idle_;
   std::uint64_t neighbours_ = 0;
 };
 
