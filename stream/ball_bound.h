@@ -2,23 +2,27 @@
 // How many points one ball may hold: what the memory for a query's neighbours depends on.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "core/lattice.h"
+#include "core/neighbours.h"
 
 namespace pss {
 
-/// A number that no ball of this radius about one of the points exceeds.
+/// A number that no ball about one of the points `own` exceeds; reach(i) is the radius of the i-th.
 ///
-/// Counts whole cells: on a surface up to ten times what balls hold. Where that is at most
-/// `enough`, the first number that is found serves, however coarse.
+/// Counts the grid's cells that balls touch: on a surface up to ten times what balls hold. Points
+/// are counted in groups, and in ever smaller ones where that is more than `enough`, down to
+/// copies of one position.
 ///
-/// Requires: points sorted by key; radius >= 0.
-/// Cost:     one pass over the points; beyond `enough` 27 searches a cell, in parallel.
-std::uint64_t ball_bound(const Lattice& lattice, std::span<const Index3> points, double radius,
-                         std::uint64_t enough);
+/// Requires: `own` in an order that keeps neighbours together; radii >= 0, below 0 for no ball.
+/// Cost:     one search for cells a group of 256 points, up to one a point beyond `enough`;
+///           parallel.
+std::uint64_t ball_bound(const CellGrid& grid, std::span<const Index3> own,
+                         const std::function<double(std::size_t)>& reach, std::uint64_t enough);
 
-/// What that holds at most: where every point has a cell of its own.
+/// What counting for so many points holds.
 std::uint64_t ball_bound_bytes(std::uint64_t points);
 
 }  // namespace pss

@@ -94,17 +94,10 @@ class ProjectOperator : public Operator {
   /// A reach that holds what most points of a group need, from their neighbours in key order.
   double guessed_reach(std::span<const Index3> own, const PointRange& group) const;
   double grid_radius(const Part& part) const;
-  /// How far the widest own point of a loaded part looks.
-  double widest_reach(const Part& part) const;
   double reach_of_own(const Part& part, std::size_t i) const;
   /// Fills the supports of a part from k-th distances; whether some need more than is loaded.
   bool find_supports(Part& part) const;
   void find_supports(Part& part, Surround& group) const;
-  /// At least what the part's fullest ball holds; counted point by point where that is more than
-  /// `enough`.
-  std::uint64_t fullest_ball(const Part& part, std::uint64_t enough) const;
-  std::uint64_t fullest_ball(const Part& part, const PointRange& own, std::uint64_t enough,
-                             std::vector<PointRange>& ranges) const;
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
   /// How far a query with this support looks, and one with a typical support.

@@ -19,8 +19,6 @@ namespace {
 constexpr std::uint64_t kUsualBall = 2048;
 /// Points that are surrounded together where each owns its support.
 constexpr std::size_t kGroupPoints = 256;
-/// Points whose balls are counted together first.
-constexpr std::size_t kBallGroup = 256;
 constexpr std::size_t kGuessStep = 4;  ///< of so many points one is asked for a guess
 
 }  // namespace
@@ -100,7 +98,7 @@ std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
   const std::uint64_t near = plan.near_points * bytes_per_candidate() +
                              CellGrid::bytes_for(plan.near_points) +
                              plan.around.size() * sizeof(Surround) +
-                             std::max(ball_bound_bytes(plan.near_points), bytes_for_tasks(plan));
+                             std::max(ball_bound_bytes(plan.own_points), bytes_for_tasks(plan));
   return plan.own_points * own + std::max(encoded, near);
 }
 
@@ -128,10 +126,13 @@ Preparation ProjectOperator::prepare(Part& part) const {
   if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, grid_radius(part));
   if (parameters_.nearest && find_supports(part)) return {true, 0};
   const std::uint64_t reserved = std::min(part.ball_points, kUsualBall);
-  const std::uint64_t bound =
-      ball_bound(source_lattice_, part.candidates, widest_reach(part), reserved);
-  if (std::min(bound, part.ball_points) <= reserved) return {};
-  const std::uint64_t counted = std::min({bound, part.ball_points, fullest_ball(part, reserved)});
+  if (part.ball_points <= reserved) return {};
+  const auto reach = [&](std::size_t i) {
+    const double own = reach_of_own(part, i);
+    return own > 0 ? own : -1;  // isolated: no ball
+  };
+  const std::uint64_t counted =
+      std::min(part.ball_points, ball_bound(*part.grid, part.own, reach, reserved));
   return {false, counted <= reserved ? 0 : counted};
 }
 
@@ -148,48 +149,6 @@ double ProjectOperator::grid_radius(const Part& part) const {
 
 double ProjectOperator::reach_of_own(const Part& part, std::size_t i) const {
   return parameters_.nearest ? reach_of(part.supports[i]) : largest_reach();
-}
-
-double ProjectOperator::widest_reach(const Part& part) const {
-  double loaded = 0;
-  for (const Surround& surround : part.around) loaded = std::max(loaded, surround.reach);
-  if (!parameters_.nearest) return std::min(largest_reach(), loaded);
-  double widest = 0;
-  for (const Support& support : part.supports) widest = std::max(widest, reach_of(support));
-  return std::min(widest, loaded);
-}
-
-std::uint64_t ProjectOperator::fullest_ball(const Part& part, std::uint64_t enough) const {
-  const std::size_t groups = (part.own.size() + kBallGroup - 1) / kBallGroup;
-  std::vector<std::uint64_t> most(groups, 0);
-  parallel_for(groups, 8, [&](std::size_t begin, std::size_t end) {
-    std::vector<PointRange> ranges;
-    for (std::size_t g = begin; g < end; ++g)
-      most[g] = fullest_ball(
-          part, {g * kBallGroup, std::min((g + 1) * kBallGroup, part.own.size())}, enough, ranges);
-  });
-  return *std::ranges::max_element(most);
-}
-
-/// What lies around all of the own points together, unless that is more than `enough`: then they
-/// are counted in ever smaller groups, down to copies of one position.
-std::uint64_t ProjectOperator::fullest_ball(const Part& part, const PointRange& own,
-                                            std::uint64_t enough,
-                                            std::vector<PointRange>& ranges) const {
-  IndexBox box;
-  double reach = 0;
-  for (std::size_t i = own.begin; i < own.end; ++i) {
-    box.add(part.own[i]);
-    reach = std::max(reach, reach_of_own(part, i));
-  }
-  if (reach <= 0) return 0;
-  part.grid->gather_ranges(box, reach, ranges);
-  std::uint64_t points = 0;
-  for (const PointRange& range : ranges) points += range.end - range.begin;
-  if (points <= enough || box.min == box.max) return points;
-  const std::size_t middle = own.begin + (own.end - own.begin) / 2;
-  return std::max(fullest_ball(part, {own.begin, middle}, enough, ranges),
-                  fullest_ball(part, {middle, own.end}, enough, ranges));
 }
 
 bool ProjectOperator::find_supports(Part& part) const {

@@ -32,10 +32,18 @@ std::size_t largest_ball(const Lattice& lattice, const std::vector<Index3>& poin
   return largest;
 }
 
+/// Of balls of one radius about all of the points; the grid suits `cell_radius`.
+std::uint64_t bound_of(const Lattice& lattice, const std::vector<Index3>& points, double radius,
+                       std::uint64_t enough, double cell_radius = 0.7) {
+  const CellGrid grid(lattice, points, cell_radius);
+  return ball_bound(
+      grid, points, [&](std::size_t) { return radius; }, enough);
+}
+
 TEST(BallBound, IsNeverExceeded) {
   const std::vector<Index3> points = sheet_with_a_dense_corner(3);
   for (const double radius : {0.1, 0.7, 3.0, 50.0})
-    EXPECT_GE(ball_bound(kUneven, points, radius, 0), largest_ball(kUneven, points, radius))
+    EXPECT_GE(bound_of(kUneven, points, radius, 0), largest_ball(kUneven, points, radius))
         << radius;
 }
 
@@ -43,28 +51,28 @@ TEST(BallBound, IsLessThanTwentyBallsWhereStepsAreEven) {
   const Lattice even{{0.01, 0.01, 0.01}, {0, 0, 0}};
   const std::vector<Index3> points = sheet_with_a_dense_corner(5);
   for (const double radius : {0.2, 0.7, 2.0})
-    EXPECT_LE(ball_bound(even, points, radius, 0), 20 * largest_ball(even, points, radius))
+    EXPECT_LE(bound_of(even, points, radius, 0, radius), 20 * largest_ball(even, points, radius))
         << radius;
 }
 
 TEST(BallBound, IsCoarseOnlyWhereThatIsEnough) {
   const std::vector<Index3> points = sheet_with_a_dense_corner(4);
-  const std::uint64_t exact = ball_bound(kUneven, points, 0.7, 0);
+  const std::uint64_t exact = bound_of(kUneven, points, 0.7, 0);
 
-  EXPECT_LE(ball_bound(kUneven, points, 0.7, 3000), 3000u);
-  EXPECT_EQ(ball_bound(kUneven, points, 0.7, exact - 1), exact);
-  EXPECT_EQ(ball_bound(kUneven, points, 0.7, 5000), 5000u) << "no more than there are";
+  EXPECT_LE(bound_of(kUneven, points, 0.7, 3000), 3000u);
+  EXPECT_EQ(bound_of(kUneven, points, 0.7, exact - 1), exact);
+  EXPECT_EQ(bound_of(kUneven, points, 0.7, 5000), 5000u) << "no more than there are";
 }
 
 TEST(BallBound, HoldsForEqualPointsAndAtTheEndsOfTheLattice) {
   const std::vector<Index3> equal(100, Index3{5, 5, 5});
-  const std::vector<Index3> ends{{kLatticeMin, kLatticeMin, kLatticeMin},
-                                 {kLatticeMax, kLatticeMax, kLatticeMax}};
+  std::vector<Index3> ends(100, {kLatticeMin, kLatticeMin, kLatticeMin});
+  ends.insert(ends.end(), 100, {kLatticeMax, kLatticeMax, kLatticeMax});
 
-  EXPECT_EQ(ball_bound(kUneven, equal, 0, 0), 100u);
-  EXPECT_EQ(ball_bound(kUneven, ends, 0.001, 0), 1u);
-  EXPECT_EQ(ball_bound(kUneven, ends, 1e300, 0), 2u);
-  EXPECT_EQ(ball_bound(kUneven, {}, 1, 0), 0u);
+  EXPECT_EQ(bound_of(kUneven, equal, 0, 0), 100u);
+  EXPECT_EQ(bound_of(kUneven, ends, 0.001, 0), 100u);
+  EXPECT_EQ(bound_of(kUneven, ends, 1e300, 0), 200u);
+  EXPECT_EQ(bound_of(kUneven, {}, 1, 0), 0u);
 }
 
 }  // namespace
