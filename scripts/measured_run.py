@@ -1,6 +1,7 @@
 """What the benchmarks of whole jobs share: a scan, pss run and watched, its result checked."""
 
 import collections
+import hashlib
 import json
 import math
 import os
@@ -10,6 +11,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -28,13 +30,13 @@ STAGES = {"read": "sort", "merge runs": "sort", "merge": "sort", "spacing": "wid
 REPORTED = {"sort": "ingest", "widths": "spacing", "smooth": "smooth", "write": "write"}
 
 
-def build():
-    """The program in release, unless PSS_BINARY says which to take."""
+def build(*targets):
+    """The program in release, and other targets, unless PSS_BINARY says which to take."""
     if "PSS_BINARY" in os.environ:
         return
     for words in (["cmake", "--preset", "release"],
                   ["cmake", "--build", "--preset", "release", "-j", str(os.cpu_count()),
-                   "--target", "pss"]):
+                   "--target", "pss", *targets]):
         subprocess.run(words, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
 
 
@@ -165,10 +167,43 @@ def smooth(scan, out, *words):
     return Smoothed(json.loads(report.read_text()), watch, seconds, processor_seconds() - used)
 
 
+Ended = collections.namedtuple("Ended", "code said peak_bytes seconds")
+
+
+def pss(*words, patience):
+    """Runs any job, for at most so many seconds: its exit code, below 0 for a signal, what it said
+    last, and its peak of memory by the kernel's count, of which a bare interpreter's is the least.
+    """
+    began = time.monotonic()
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen([PSS, *map(str, words), "--progress", "none"],
+                                   stdout=subprocess.DEVNULL, stderr=errors)
+        alarm = threading.Timer(patience, process.kill)
+        alarm.start()
+        _, status, usage = os.wait4(process.pid, 0)
+        alarm.cancel()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        errors.seek(0)
+        said = errors.read().decode("utf8", "replace").strip().splitlines()
+    return Ended(process.returncode, said[-1] if said else "", usage.ru_maxrss * 1024,
+                 time.monotonic() - began)
+
+
+def sha256(path):
+    with open(path, "rb") as file:
+        digest = hashlib.sha256()
+        while chunk := file.read(1 << 20):
+            digest.update(chunk)
+        return digest.hexdigest()
+
+
 def remove(out):
-    """A result with all that its job left."""
-    out.unlink(missing_ok=True)
-    shutil.rmtree(out.with_name(out.name + ".work"), ignore_errors=True)
+    """A result, a file or a store, with all that its job left."""
+    for path in (out, out.with_name(out.name + ".part"), out.with_name(out.name + ".work")):
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink(missing_ok=True)
 
 
 class LasFile:
