@@ -184,20 +184,20 @@ Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) 
 /// uncompressed at worst, on its own, which may be the same.
 Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& op,
                                     const WorkDirectory& work) const {
-  const auto [stores, output] = bytes_to_write(source, op, report_.normals, job_.output);
+  const SmoothSpace space = space_of(job_, report_.normals, source, op);
   const std::string folder = directory_of(job_.output);
   const bool apart = !same_disk(work.path(), folder);
-  if (apart) PSS_TRY(check_free(folder, 0, output, "for the output; write it to another disk"));
+  if (apart)
+    PSS_TRY(check_free(folder, 0, space.output, "for the output; write it to another disk"));
   std::uint64_t present = 0;
   for (const std::string& path : {work.normals_store(), work.result_store()}) {
     if (!is_store(path)) continue;
     PSS_ASSIGN(const Store store, Store::open(path));
     present += store.bytes_on_disk();
   }
-  return apart ? check_free(work.path(), present, stores,
-                            "for the result; use --work-dir on another disk")
-               : check_free(work.path(), present, stores + output,
-                            "for the result and the output; use --work-dir on another disk");
+  return check_free(work.path(), present, space.most_more(!apart),
+                    apart ? "for the result; use --work-dir on another disk"
+                          : "for the result and the output; use --work-dir on another disk");
 }
 
 Result<void> SmoothRun::write(const WorkDirectory& work) {

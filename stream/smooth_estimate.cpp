@@ -6,9 +6,12 @@
 
 #include "core/parallel.h"
 #include "stream/calibration.h"
+#include "stream/chunk.h"
+#include "stream/disk_need.h"
 #include "stream/smooth.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_method.h"
+#include "stream/smooth_space.h"
 
 namespace pss {
 namespace {
@@ -58,8 +61,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
     estimate.halo_share =
         static_cast<double>(schedule.halo_points) / static_cast<double>(schedule.own_points);
   estimate.peak_memory = budget.limit() - budget.total() + schedule.peak_bytes;
-  const BytesToWrite bytes = bytes_to_write(source, op, estimate.normals, job.output);
-  estimate.disk_bytes = bytes.stores + bytes.output;
+  estimate.disk_bytes = space_of(job, estimate.normals, source, op).most();
   add_times(estimate, usual_neighbours(estimate.widths));
   return estimate;
 }
@@ -69,6 +71,19 @@ std::uint64_t peak_from_files(std::uint64_t points, std::size_t row, const Memor
   const std::uint64_t sorting = points * (2 * row + 64);
   const std::uint64_t tiles = 2 * std::min<std::uint64_t>(points, kTilePoints) * (2 * row + 100);
   return budget.limit() - budget.total() + std::min(budget.total(), std::max(sorting, tiles));
+}
+
+/// From a compressed sample of the inputs.
+Result<std::uint64_t> disk_from_files(const SmoothJob& job, const IngestPlan& plan,
+                                      std::size_t result_row, NormalsFrom normals,
+                                      const MemoryBudget& budget, const Monitor& monitor) {
+  const std::size_t row = plan.header.schema.row_size();
+  const std::uint64_t most_sampled = budget.total() / (4 * Chunk::bytes_per_point(row));
+  PSS_ASSIGN(const double per_point, sample_bytes(plan, false, most_sampled, monitor));
+  const auto bytes = static_cast<std::uint64_t>(per_point * static_cast<double>(plan.points));
+  const Lattice& lattice = plan.header.lattice;
+  const Lattice refined = plan.header.grid ? refined_lattice(lattice, {}, 0) : lattice;
+  return smooth_space(job, normals, {plan.points, bytes, lattice, row}, refined, result_row).most();
 }
 
 Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
@@ -90,10 +105,8 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   // Perimeter over area of a square tile, at the default reach of 7 spacings.
   estimate.halo_share = 4 * 7 / std::sqrt(std::max(1.0, per_tile));
   estimate.peak_memory = peak_from_files(plan.points, schema.row_size(), budget);
-  estimate.disk_bytes = plan.disk_bytes + plan.points * (12 + schema.row_size()) +
-                        plan.points * (8 + schema.row_size() / 2);
-  if (estimate.normals == NormalsFrom::kFirstPass)
-    estimate.disk_bytes += plan.points * (8 + sizeof(Normal) + schema.row_size() / 2);
+  PSS_ASSIGN(estimate.disk_bytes,
+             disk_from_files(job, plan, schema.row_size(), estimate.normals, budget, monitor));
   add_times(estimate, kUsualNeighbours);
   return estimate;
 }

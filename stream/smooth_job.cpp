@@ -156,17 +156,13 @@ Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& j
   return ProjectOperator::create(source, parameters);
 }
 
-BytesToWrite bytes_to_write(const Store& source, const ProjectOperator& op, NormalsFrom normals,
-                            const std::string& output) {
-  const auto size_with = [](std::size_t row) { return static_cast<double>(sizeof(Index3) + row); };
-  const std::size_t source_row = source.header().schema.row_size();
-  const std::size_t row = op.result_header().schema.row_size();
-  const double per_byte = static_cast<double>(source.bytes_on_disk()) / size_with(source_row);
-  double stores = per_byte * size_with(row);
-  if (normals == NormalsFrom::kFirstPass)
-    stores += per_byte * size_with(source_row + sizeof(Normal));
-  return {static_cast<std::uint64_t>(stores),
-          is_store_name(output) ? 0 : source.points() * (3 * sizeof(int) + row)};
+SmoothSpace space_of(const SmoothJob& job, NormalsFrom normals, const Store& source,
+                     const ProjectOperator& op) {
+  const StoreHeader& from = source.header();
+  const StoreHeader& to = op.result_header();
+  return smooth_space(
+      job, normals, {source.points(), source.bytes_on_disk(), from.lattice, from.schema.row_size()},
+      to.lattice, to.schema.row_size());
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {

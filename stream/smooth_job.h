@@ -8,6 +8,7 @@
 #include "stream/job.h"
 #include "stream/project.h"
 #include "stream/smooth.h"
+#include "stream/smooth_space.h"
 
 namespace pss {
 
@@ -32,14 +33,8 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
 /// The job's first pass over its sorted input, where its operator needs normals and that has none.
 Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths);
-/// About how many bytes a job writes after it has its sorted input.
-struct BytesToWrite {
-  std::uint64_t stores = 0;  ///< into the work directory, one a pass
-  std::uint64_t output = 0;  ///< not compressed; none where the output is the last of the stores
-};
-
-BytesToWrite bytes_to_write(const Store& source, const ProjectOperator& op, NormalsFrom normals,
-                            const std::string& output);
+SmoothSpace space_of(const SmoothJob& job, NormalsFrom normals, const Store& source,
+                     const ProjectOperator& op);
 /// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);
 
