@@ -97,8 +97,7 @@ std::uint64_t ProjectOperator::bytes(const PartPlan& plan) const {
   const std::uint64_t encoded = plan.own_points * (row + sizeof(Index3) + row / 64 + 1);
   const std::uint64_t near = plan.near_points * bytes_per_candidate() +
                              CellGrid::bytes_for(plan.near_points) +
-                             plan.around.size() * sizeof(Surround) +
-                             std::max(ball_bound_bytes(plan.own_points), bytes_for_tasks(plan));
+                             plan.around.size() * sizeof(Surround) + bytes_for_tasks(plan);
   return plan.own_points * own + std::max(encoded, near);
 }
 
@@ -133,7 +132,7 @@ Preparation ProjectOperator::prepare(Part& part) const {
   };
   const std::uint64_t counted =
       std::min(part.ball_points, ball_bound(*part.grid, part.own, reach, reserved));
-  return {false, counted <= reserved ? 0 : counted};
+  return {false, counted == reserved ? 0 : counted};
 }
 
 /// What cells should suit: the usual ball here.

@@ -55,13 +55,13 @@ TEST(BallBound, IsLessThanTwentyBallsWhereStepsAreEven) {
         << radius;
 }
 
-TEST(BallBound, IsCoarseOnlyWhereThatIsEnough) {
+TEST(BallBound, IsTheSameWhateverIsEnoughUpToIt) {
   const std::vector<Index3> points = sheet_with_a_dense_corner(4);
-  const std::uint64_t exact = bound_of(kUneven, points, 0.7, 0);
+  const std::uint64_t fullest = bound_of(kUneven, points, 0.7, 0);
 
-  EXPECT_LE(bound_of(kUneven, points, 0.7, 3000), 3000u);
-  EXPECT_EQ(bound_of(kUneven, points, 0.7, exact - 1), exact);
-  EXPECT_EQ(bound_of(kUneven, points, 0.7, 5000), 5000u) << "no more than there are";
+  EXPECT_EQ(bound_of(kUneven, points, 0.7, 10), fullest);
+  EXPECT_EQ(bound_of(kUneven, points, 0.7, fullest - 1), fullest);
+  EXPECT_EQ(bound_of(kUneven, points, 0.7, 5000), 5000u);
 }
 
 TEST(BallBound, HoldsForEqualPointsAndAtTheEndsOfTheLattice) {
