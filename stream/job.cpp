@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "stream/fingerprint.h"
+#include "stream/hash.h"
 #include "stream/store_writer.h"
 
 namespace pss {
@@ -30,6 +31,16 @@ InputRecord input_from(const json& j) {
           j.at("modified_ns").get<std::int64_t>(), j.at("content_hash").get<std::uint64_t>()};
 }
 
+std::string dumped(const json& j) {
+  return j.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+/// Of all values of a record, whatever the white space between them.
+std::string checksum_of(const json& j) {
+  const std::string text = dumped(j);
+  return fmt::format("{:016x}", hash64(std::as_bytes(std::span(text))));
+}
+
 std::string to_text(const JobRecord& record) {
   json inputs = json::array();
   for (const InputRecord& input : record.inputs) inputs.push_back(to_json(input));
@@ -40,7 +51,12 @@ std::string to_text(const JobRecord& record) {
             {"inputs", inputs},
             {"complete", record.complete}};
   if (record.result) j["result"] = to_json(*record.result);
-  return j.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
+  j["checksum"] = checksum_of(j);
+  return dumped(j);
+}
+
+Error damaged(const std::string& path, const std::string& what) {
+  return {Fault::kBadInput, fmt::format("{}: damaged at offset 0: {}; use --restart", path, what)};
 }
 
 JobRecord record_from(const json& j) {
@@ -126,10 +142,14 @@ Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir) {
   PSS_ASSIGN(const std::vector<std::byte> bytes, read_whole(path, kLargestRecord));
   try {
     const char* text = reinterpret_cast<const char*>(bytes.data());
-    return std::optional(record_from(json::parse(text, text + bytes.size())));
+    json j = json::parse(text, text + bytes.size());
+    const auto expected = j.at("checksum").get<std::string>();
+    j.erase("checksum");
+    if (checksum_of(j) != expected)
+      return damaged(path, fmt::format("the {} bytes do not match their checksum", bytes.size()));
+    return std::optional(record_from(j));
   } catch (const json::exception& e) {
-    return Error{Fault::kBadInput,
-                 fmt::format("{}: found no job record ({}); use --restart", path, e.what())};
+    return damaged(path, fmt::format("found no job record ({})", e.what()));
   }
 }
 
@@ -186,7 +206,10 @@ Result<void> check_places(const JobPlaces& places) {
 }
 
 Result<Entry> enter_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record) {
-  PSS_ASSIGN(std::optional<JobRecord> before, work.read_record());
+  auto found = work.read_record();
+  // A record that is damaged is in nobody's way who starts over.
+  if (!found && !(places.restart && found.error().fault == Fault::kBadInput)) return found.error();
+  std::optional<JobRecord> before = found ? *std::move(found) : std::nullopt;
   const bool known = before && wrote(*before, witness_of(places.output));
   if (known && !places.restart && check_same_job(*before, record, work.path())) {
     PSS_TRY(leave_job(places, work, record));

@@ -126,9 +126,10 @@ Result<std::uint64_t> read_records(const File& file, Tail tail, const LogVisitor
     PSS_TRY(visit(*record));
     offset = next;
   }
-  if (offset == size) return offset;
+  if (offset == size && offset > kName.size()) return offset;
   const char* what = "a record does not match its checksum";
-  if (tail == Tail::kWhole) return damaged(file.path(), offset, what);
+  // The first record was durable before the file had its name.
+  if (tail == Tail::kWhole || offset == kName.size()) return damaged(file.path(), offset, what);
   PSS_ASSIGN(const bool damage, proves_damage(window, offset));
   if (damage) return damaged(file.path(), offset, what);
   return offset;

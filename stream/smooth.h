@@ -112,6 +112,7 @@ struct JobState {
   std::vector<std::string> inputs;
   std::optional<std::string> holder;  ///< "pid N on HOST" of a process that runs it now
 };
+/// Errors: kBadInput where the record or a store in the directory is damaged.
 Result<JobState> read_job_state(const std::string& work_dir);
 
 }  // namespace pss

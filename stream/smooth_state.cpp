@@ -8,28 +8,36 @@
 namespace pss {
 namespace {
 
-std::uint64_t tiles_in(const std::string& path) {
-  if (!is_store(path)) return 0;
-  const Result<Store> store = Store::open(path);
-  return store ? store->tiles().size() : 0;
+/// The store at a path, where one is there.
+Result<std::optional<Store>> store_at(const std::string& path) {
+  if (!is_store(path)) return std::optional<Store>();
+  Result<Store> store = Store::open(path);
+  if (store) return std::optional(*std::move(store));
+  // A running job removes what it needs no more.
+  if (!is_store(path)) return std::optional<Store>();
+  return store.error();
 }
 
 /// The stage that the stores in the directory show.
-void find_stage(const std::string& input, const std::string& normals, const std::string& result,
-                JobState& state) {
+Result<void> find_stage(const std::string& input, const std::string& normals,
+                        const std::string& result, JobState& state) {
   const bool first_pass = is_store(normals) && !is_complete_store(normals);
-  if (!is_complete_store(input) && !is_store(normals) && !is_store(result)) {
-    state.stage = "sort";
-    state.tiles_done = tiles_in(input);
-    return;
-  }
-  state.stage = is_complete_store(result) ? "write" : first_pass ? "normals" : "smooth";
-  state.tiles_done = tiles_in(first_pass ? normals : result);
+  const bool sorting = !is_complete_store(input) && !is_store(normals) && !is_store(result);
+  state.stage = sorting                     ? "sort"
+                : is_complete_store(result) ? "write"
+                : first_pass                ? "normals"
+                                            : "smooth";
+  std::optional<Store> growing;
+  PSS_ASSIGN(growing, store_at(sorting ? input : first_pass ? normals : result));
+  if (growing) state.tiles_done = growing->tiles().size();
+  if (sorting) return {};
   // Once the result is complete the sorted input goes.
-  if (const Result<Store> source = Store::open(is_complete_store(result) ? result : input)) {
-    state.tiles = source->tiles().size();
-    state.points = source->points();
-  }
+  std::optional<Store> source;
+  PSS_ASSIGN(source, store_at(is_complete_store(result) ? result : input));
+  if (!source) return {};
+  state.tiles = source->tiles().size();
+  state.points = source->points();
+  return {};
 }
 
 }  // namespace
@@ -52,8 +60,9 @@ Result<JobState> read_job_state(const std::string& work_dir) {
   // The sorted input of a job over a store is that store itself.
   const bool over_store =
       record->inputs.size() == 1 && is_store(directory_of(record->inputs.front().path));
-  find_stage(over_store ? directory_of(record->inputs.front().path) : work_dir + "/input.pss",
-             work_dir + "/normals.pss", work_dir + "/result.pss", state);
+  PSS_TRY(
+      find_stage(over_store ? directory_of(record->inputs.front().path) : work_dir + "/input.pss",
+                 work_dir + "/normals.pss", work_dir + "/result.pss", state));
   return state;
 }
 

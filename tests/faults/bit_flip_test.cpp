@@ -4,6 +4,7 @@
 #include "stream/export.h"
 #include "stream/verify.h"
 #include "tests/faults/small_job.h"
+#include "tests/stream/store_fixture.h"
 
 namespace pss::test {
 namespace {
@@ -91,6 +92,18 @@ TEST_F(BitFlip, AMissingFileOfAStoreIsDamage) {
 }
 
 /// A job cut in a stage, then a bit flipped anywhere in its work directory.
+/// What `info` tells of a damaged job: what is true, but for tiles whose record looks torn.
+void expect_no_more_than(const JobState& state, const JobState& sound) {
+  EXPECT_EQ(state.command, sound.command);
+  EXPECT_EQ(state.output, sound.output);
+  EXPECT_EQ(state.inputs, sound.inputs);
+  EXPECT_EQ(state.parameters, sound.parameters);
+  EXPECT_EQ(state.stage, sound.stage);
+  EXPECT_LE(state.tiles_done, sound.tiles_done);
+  EXPECT_EQ(state.tiles, sound.tiles);
+  EXPECT_EQ(state.points, sound.points);
+}
+
 class FlipInJob : public testing::TestWithParam<int> {};
 
 TEST_P(FlipInJob, IsNamedOrHasNoEffectOnTheResult) {
@@ -103,9 +116,11 @@ TEST_P(FlipInJob, IsNamedOrHasNoEffectOnTheResult) {
     disk.restart(Crash::kKeep, 1);
   };
   std::vector<std::pair<std::string, std::uint64_t>> files;
+  JobState sound;
   {
     SimulatedDisk disk;
     cut_job(disk);
+    sound = expect_value(read_job_state("/out.ply.work"));
     for (const std::string& file : disk.files())
       if (file.starts_with("/out.ply.work/")) files.emplace_back(file, disk.content(file).size());
   }
@@ -117,14 +132,21 @@ TEST_P(FlipInJob, IsNamedOrHasNoEffectOnTheResult) {
       if (8 * disk.content(file).size() <= bit) continue;
       disk.flip_bit(file, bit);
 
+      const auto state = read_job_state("/out.ply.work");
       const auto report = run(job);
 
       if (report) {
         ASSERT_TRUE(disk.content(kOut) == whole.result) << "wrong points";
       } else {
         ASSERT_FALSE(disk.has(kOut));
-        ASSERT_NE(report.error().message.find("/out.ply.work"), std::string::npos)
-            << report.error().message;
+        ASSERT_EQ(report.error().fault, Fault::kBadInput);
+        ASSERT_TRUE(names_a_place(report.error().message, file)) << report.error().message;
+      }
+      if (state) {
+        expect_no_more_than(*state, sound);
+      } else {
+        ASSERT_EQ(state.error().fault, Fault::kBadInput);
+        ASSERT_TRUE(names_a_place(state.error().message, file)) << state.error().message;
       }
     }
 }

@@ -96,6 +96,23 @@ TEST(WorkDirectory, NamesADamagedRecord) {
   EXPECT_NE(record.error().message.find("job.json"), std::string::npos);
 }
 
+TEST(WorkDirectory, OfADamagedRecordIsStartedOverOnRequestOnly) {
+  test::TemporaryDirectory folder;
+  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
+  std::ofstream(folder / "w/job.json") << "{\"command\": 3";
+  JobPlaces places{{}, folder / "b.las", folder / "w"};
+  JobRecord record = some_record();
+
+  const auto refused = enter_job(places, work, record);
+  places.restart = true;
+  const auto entered = enter_job(places, work, record);
+
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("--restart"), std::string::npos);
+  EXPECT_EQ(expect_value(entered), Entry::kNew);
+  EXPECT_TRUE(expect_value(work.read_record()));
+}
+
 TEST(Places, OfAJobMustNotEndangerEachOther) {
   test::TemporaryDirectory folder;
   std::ofstream(folder / "a.las") << "points";

@@ -95,6 +95,23 @@ TEST(Log, TakesGarbageAfterTheLastDurableRecordAsATornTail) {
   EXPECT_EQ(seen.types, std::vector<std::uint32_t>{1});
 }
 
+TEST(Log, TakesNoDamageOfItsFirstRecordForATornTail) {
+  test::TemporaryDirectory folder;
+  expect_value(LogWriter::create(folder / "log", 1, payload(5, 0)));
+  const auto whole = test::bytes_of(folder / "log");
+  for (std::size_t byte = 16; byte < whole.size(); ++byte) {
+    auto bytes = whole;
+    bytes[byte] ^= std::byte{4};
+    test::write_bytes(folder / "log", bytes);
+    Seen seen;
+
+    const auto opened = LogWriter::open(folder / "log", seen.visitor());
+
+    ASSERT_FALSE(opened) << byte;
+    EXPECT_EQ(opened.error().fault, Fault::kBadInput);
+  }
+}
+
 TEST(Log, NamesFileAndOffsetOfDamageInTheMiddle) {
   test::TemporaryDirectory folder;
   write_log(folder / "log");

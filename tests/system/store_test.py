@@ -79,6 +79,30 @@ class Store(SystemTest):
             file.write_bytes(whole)
         self.ok("verify", self.store)
 
+    def test_a_flipped_bit_anywhere_is_found_by_every_command_that_reads_it(self):
+        harness.write_las(self.scan, harness.random_records(2000, 5, 3), point_format=3)
+        self.ok("tile", self.scan, "-o", self.store, "--tile-points", 500)
+        out = self.path("out.las")
+        sound = self.ok("info", self.store, "--json").out
+        commands = {"verify": [], "export": ["-o", out],
+                    "smooth": ["-o", out, "--radius", 3, "--h", 1, "--restart"]}
+        rng = random.Random(4)
+        for file in sorted(p for p in self.store.rglob("*") if p.is_file()):
+            whole = file.read_bytes()
+            for at in [0, len(whole) - 1, *(rng.randrange(len(whole)) for _ in range(30))]:
+                damaged = bytearray(whole)
+                damaged[at] ^= 1 << rng.randrange(8)
+                file.write_bytes(damaged)
+                place = f"{file.name}: damaged at offset "
+                for command, words in commands.items():
+                    self.refused(BAD_INPUT, command, self.store, *words, says=[place])
+                    self.assertFalse(out.exists())
+                if file.name == "manifest":
+                    self.refused(BAD_INPUT, "info", self.store, says=[place])
+                else:  # the points, of which it reads none
+                    self.assertEqual(self.ok("info", self.store, "--json").out, sound)
+            file.write_bytes(whole)
+
     def test_a_damaged_store_is_not_written_as_a_file(self):
         self.ok("tile", self.scan, "-o", self.store)
         segment = max(self.store.rglob("*"), key=lambda p: p.stat().st_size)
