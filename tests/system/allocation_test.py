@@ -8,7 +8,7 @@ from harness import DONE, FAILED, SystemTest
 
 LIBRARY = os.environ["PSS_FAILING_ALLOCATION"]
 # How many allocations are tried; 0 is every one, for a long form by hand.
-SAMPLES = int(os.environ.get("PSS_ALLOCATION_SAMPLES", 120))
+SAMPLES = int(os.environ.get("PSS_ALLOCATION_SAMPLES", 80))
 SENTENCE = "pss: the system gave no more memory"
 REFUSED = "Cannot allocate memory"  # by a system call, which is said with its path
 
