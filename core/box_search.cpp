@@ -101,8 +101,16 @@ class CellGrid::BoxSearch {
             corner[2] + (octant & 4 ? half : 0)};
   }
 
+  /// Which octant of a cell of side 2^shift a point of it lies in; quicker than its key.
+  static unsigned octant_of(const Index3& point, int shift) {
+    const auto upper = [&](std::size_t a) {
+      return static_cast<unsigned>(biased(point[a]) >> (shift - 1)) & 1;
+    };
+    return upper(0) | upper(1) << 1 | upper(2) << 2;
+  }
+
   /// Calls go on for the octants that the box touches, with the items of [from, to) in each, where
-  /// find(key, from, to) is the first item not before a key.
+  /// find(octant, key, from, to) is the first item not before an octant, which begins at that key.
   template <class Find, class GoOn>
   void for_each_octant(const Index3& corner, const Key& first, int shift, std::size_t from,
                        std::size_t to, Find find, GoOn go_on) {
@@ -112,8 +120,8 @@ class CellGrid::BoxSearch {
       const Key next = after_cell(key, shift - 1);
       const Index3 at = child(corner, shift, octant);
       if (touches(at, shift - 1)) {
-        if (!aligned) from = find(key, from, to);
-        const std::size_t end = find(next, from, to);
+        if (!aligned) from = find(octant, key, from, to);
+        const std::size_t end = find(octant + 1, next, from, to);
         if (from < end) go_on(at, key, from, end);
         from = end;
         aligned = true;
@@ -128,7 +136,7 @@ class CellGrid::BoxSearch {
                      std::size_t to) {
     const bool near = shift - grid_.shift_ <= CellPlace::kBits - 2;
     if (near && to - from <= kFewCells) return look_at_cells(from, to);
-    const auto find = [&](const Key& key, std::size_t low, std::size_t high) {
+    const auto find = [&](unsigned, const Key& key, std::size_t low, std::size_t high) {
       return low + index_of(grid_.cells_.data() + low, high - low, key);
     };
     for_each_octant(corner, first, shift, from, to, find,
@@ -165,10 +173,11 @@ class CellGrid::BoxSearch {
                       std::size_t to) {
     const bool fine = longest_step_ * static_cast<double>(std::int64_t{1} << shift) <= radius_ / 2;
     if (shift == 0 || fine || to - from <= kFewPoints) return add(from, to);
-    const auto find = [&](const Key& key, std::size_t low, std::size_t high) {
+    const auto find = [&](unsigned octant, const Key&, std::size_t low, std::size_t high) {
       const auto rest = grid_.points_.subspan(low, high - low);
-      return low + static_cast<std::size_t>(std::ranges::lower_bound(rest, key, {}, encode_key) -
-                                            rest.begin());
+      const auto before = [&](const Index3& point) { return octant_of(point, shift) < octant; };
+      return low +
+             static_cast<std::size_t>(std::ranges::partition_point(rest, before) - rest.begin());
     };
     for_each_octant(corner, first, shift, from, to, find,
                     [&](const Index3& at, const Key& key, std::size_t low, std::size_t high) {
