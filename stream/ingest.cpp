@@ -148,7 +148,8 @@ class Ingest {
 
   Result<void> write_run(const Chunk& chunk, const Cursor& cursor, double seconds_before,
                          const Stopwatch& watch) {
-    PSS_ASSIGN(RunWriter run, RunWriter::create(log_->folder(), log_->state().next_id));
+    PSS_ASSIGN(RunWriter run,
+               RunWriter::create(log_->folder(), log_->state().next_id, options_.sync.early));
     std::size_t first = 0;
     PSS_TRY(encode_blocks(
         schema(), chunk.size(), kRunBlockPoints,
@@ -207,7 +208,7 @@ class Ingest {
     const Stopwatch watch;
     monitor_.begin("merge", points);
     monitor_.advance(store_->points(), store_->tiles().size());
-    PSS_TRY(write_tiles(stream, plan_.header, points, *store_, monitor_));
+    PSS_TRY(write_tiles(stream, plan_.header, points, *store_, monitor_, options_.sync));
     summary_.merge_seconds += watch.seconds();
     return {};
   }
@@ -240,7 +241,8 @@ class Ingest {
     for (const RunInfo& run : runs) points += run.points;
     monitor_.begin("merge runs", points);
     PSS_ASSIGN(MergeStream stream, open_merge(runs, std::nullopt));
-    PSS_ASSIGN(RunWriter out, RunWriter::create(log_->folder(), log_->state().next_id));
+    PSS_ASSIGN(RunWriter out,
+               RunWriter::create(log_->folder(), log_->state().next_id, options_.sync.early));
     KeyedRows batch;
     do {
       PSS_TRY(check_stopping("merging runs"));

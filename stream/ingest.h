@@ -8,6 +8,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/reader.h"
+#include "stream/early_sync.h"
 #include "stream/memory.h"
 #include "stream/store.h"
 
@@ -16,7 +17,8 @@ namespace pss {
 struct IngestOptions {
   std::uint32_t tile_points = kTilePoints;
   std::optional<World3> scale;  ///< lattice step by hand
-  bool source_column = false;   ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
+  SyncSizes sync;
+  bool source_column = false;  ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
 };
 
 /// What of the inputs decides the store: computed before any point is sorted.

@@ -62,14 +62,15 @@ std::string run_path(const std::string& folder, std::uint64_t id) {
   return fmt::format("{}/run-{:06}", folder, id);
 }
 
-RunWriter::RunWriter(File file, std::string folder, std::uint64_t id)
-    : file_(std::move(file)), folder_(std::move(folder)) {
+RunWriter::RunWriter(File file, std::string folder, std::uint64_t id, std::uint64_t early_sync)
+    : file_(std::move(file)), folder_(std::move(folder)), early_sync_(early_sync) {
   info_.id = id;
 }
 
-Result<RunWriter> RunWriter::create(const std::string& folder, std::uint64_t id) {
+Result<RunWriter> RunWriter::create(const std::string& folder, std::uint64_t id,
+                                    std::uint64_t early_sync) {
   PSS_ASSIGN(File file, File::create(run_path(folder, id)));
-  return RunWriter(std::move(file), folder, id);
+  return RunWriter(std::move(file), folder, id, early_sync);
 }
 
 Result<void> RunWriter::write(std::span<const std::byte> bytes) {

@@ -34,7 +34,8 @@ std::string run_path(const std::string& folder, std::uint64_t id);
 /// Writes a run: points come in order, any number at a time.
 class RunWriter {
  public:
-  static Result<RunWriter> create(const std::string& folder, std::uint64_t id);
+  static Result<RunWriter> create(const std::string& folder, std::uint64_t id,
+                                  std::uint64_t early_sync = SyncSizes().early);
 
   /// `first` is the key of the block's first point.
   Result<void> append(const Key& first, const EncodedBlock& block);
@@ -44,7 +45,7 @@ class RunWriter {
   Result<void> sync();
 
  private:
-  RunWriter(File file, std::string folder, std::uint64_t id);
+  RunWriter(File file, std::string folder, std::uint64_t id, std::uint64_t early_sync);
   Result<void> write(std::span<const std::byte> bytes);
   File file_;
   std::string folder_;

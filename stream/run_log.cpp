@@ -72,6 +72,7 @@ Result<RunLog> RunLog::open(const std::string& folder, const StoreHeader& header
                return log.visit(r, plan);
              }));
   log.log_ = std::move(writer);
+  PSS_TRY(log.remove_merged());
   return log;
 }
 
@@ -91,24 +92,28 @@ Result<void> RunLog::visit(const LogRecord& record, std::span<const std::byte> p
   }
   if (kind == Kind::kMerged) {
     const auto count = reader.get<std::uint64_t>();
-    if (reader.finished() && count <= state_.runs.size()) return replace_in_state(count, run);
+    if (reader.finished() && count <= state_.runs.size()) {
+      replace_in_state(count, run);
+      return {};
+    }
   }
   return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the record makes no sense; "
                                              "use --restart",
                                              log_path(folder_), record.offset)};
 }
 
-Result<void> RunLog::replace_in_state(std::size_t count, const RunInfo& run) {
-  const std::vector<RunInfo> old(state_.runs.begin(),
-                                 state_.runs.begin() + static_cast<std::ptrdiff_t>(count));
-  state_.runs.erase(state_.runs.begin(), state_.runs.begin() + static_cast<std::ptrdiff_t>(count));
+void RunLog::replace_in_state(std::size_t count, const RunInfo& run) {
+  const auto end = state_.runs.begin() + static_cast<std::ptrdiff_t>(count);
+  merged_.insert(merged_.end(), state_.runs.begin(), end);
+  state_.runs.erase(state_.runs.begin(), end);
   state_.runs.push_back(run);
   state_.next_id = run.id + 1;
-  return remove_files(old);
 }
 
-Result<void> RunLog::remove_files(std::span<const RunInfo> runs) const {
-  for (const RunInfo& run : runs) PSS_TRY(remove_all(run_path(folder_, run.id)));
+/// Only once the record of the merged run is durable: a power cut could leave neither.
+Result<void> RunLog::remove_merged() {
+  for (const RunInfo& run : merged_) PSS_TRY(remove_all(run_path(folder_, run.id)));
+  merged_.clear();
   return {};
 }
 
@@ -135,7 +140,8 @@ Result<void> RunLog::replace(std::size_t count, const RunInfo& run) {
   writer.put(static_cast<std::uint64_t>(count));
   PSS_TRY(log_->append(static_cast<std::uint32_t>(Kind::kMerged), payload));
   PSS_TRY(log_->sync());
-  return replace_in_state(count, run);
+  replace_in_state(count, run);
+  return remove_merged();
 }
 
 }  // namespace pss

@@ -51,10 +51,11 @@ class RunLog {
  private:
   RunLog() = default;
   Result<void> visit(const LogRecord& record, std::span<const std::byte> plan);
-  Result<void> replace_in_state(std::size_t count, const RunInfo& run);
-  Result<void> remove_files(std::span<const RunInfo> runs) const;
+  void replace_in_state(std::size_t count, const RunInfo& run);
+  Result<void> remove_merged();
   std::string folder_;
   IngestState state_;
+  std::vector<RunInfo> merged_;  ///< whose files are still to be removed
   std::optional<LogWriter> log_;
 };
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "stream/early_sync.h"
 #include "stream/encode_blocks.h"
 #include "stream/octants.h"
 #include "stream/row_ring.h"
@@ -13,8 +12,6 @@ namespace pss {
 namespace {
 
 constexpr std::size_t kReadAtOnce = 1 << 15;
-/// Tiles share syncs up to so many bytes: more is lost by a kill, fewer waits for the disk.
-constexpr std::uint64_t kSyncEvery = 256 << 20;
 
 std::size_t ring_capacity(const StoreHeader& header, std::uint64_t points) {
   return static_cast<std::size_t>(std::min<std::uint64_t>(header.tile_points, points) + 1);
@@ -23,12 +20,14 @@ std::size_t ring_capacity(const StoreHeader& header, std::uint64_t points) {
 class TileCutter {
  public:
   TileCutter(SortedStream& in, const StoreHeader& header, std::uint64_t points, StoreWriter& store,
-             Monitor& monitor)
+             Monitor& monitor, const SyncSizes& sync)
       : in_(in),
         header_(header),
         store_(store),
         monitor_(monitor),
-        ring_(ring_capacity(header, points), header.schema.row_size()) {}
+        ring_(ring_capacity(header, points), header.schema.row_size()),
+        commit_every_(sync.commit),
+        early_sync_(sync.early) {}
 
   /// Drops the points that the store already has.
   Result<void> skip(std::uint64_t count) {
@@ -83,7 +82,7 @@ class TileCutter {
           ring_.get(begin, positions, rows);
         },
         [&](const EncodedBlock& block) { return store_.append(block); }, monitor_));
-    PSS_TRY(store_.commit_tile(cell, {}, store_.unsynced_bytes() >= kSyncEvery));
+    PSS_TRY(store_.commit_tile(cell, {}, store_.unsynced_bytes() >= commit_every_));
     const TileInfo& tile = store_.tiles().back();
     early_sync_.grown(segment_path(store_.path(), tile.segment), tile.offset + tile.size);
     last_ = ring_.key(count - 1);
@@ -108,6 +107,7 @@ class TileCutter {
   StoreWriter& store_;
   Monitor& monitor_;
   RowRing ring_;
+  std::uint64_t commit_every_;
   EarlySync early_sync_;
   KeyedRows batch_;
   bool ended_ = false;
@@ -126,8 +126,8 @@ TileStart resume_point(const StoreWriter& store) {
 }
 
 Result<void> write_tiles(SortedStream& in, const StoreHeader& header, std::uint64_t points,
-                         StoreWriter& store, Monitor& monitor) {
-  TileCutter cutter(in, header, points, store, monitor);
+                         StoreWriter& store, Monitor& monitor, const SyncSizes& sync) {
+  TileCutter cutter(in, header, points, store, monitor, sync);
   PSS_TRY(cutter.skip(store.points() - resume_point(store).rows));
   auto result = cutter.run();
   // What is committed shall not be merged again.

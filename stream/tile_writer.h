@@ -6,6 +6,7 @@
 
 #include "core/monitor.h"
 #include "core/result.h"
+#include "stream/early_sync.h"
 #include "stream/sorted_stream.h"
 #include "stream/store_writer.h"
 
@@ -27,7 +28,7 @@ TileStart resume_point(const StoreWriter& store);
 /// Shape:  `points` is how many there are in all.
 /// Errors: kInterrupted, leaving whole tiles; kFailed where the sequence is shorter than the store.
 Result<void> write_tiles(SortedStream& in, const StoreHeader& header, std::uint64_t points,
-                         StoreWriter& store, Monitor& monitor);
+                         StoreWriter& store, Monitor& monitor, const SyncSizes& sync);
 
 /// What write_tiles holds at most.
 std::uint64_t tile_writer_memory(const StoreHeader& header, std::uint64_t points);

@@ -143,8 +143,8 @@ std::uint64_t SimulatedDisk::largest_use() const { return state_->largest; }
 
 void SimulatedDisk::put(const std::string& path, std::span<const std::byte> bytes) {
   const auto [folder, name] = split(path);
-  const NodePtr directory = state_->find(folder);
   const NodePtr file = state_->make_node(false);
+  const NodePtr directory = state_->make_directories(folder);
   file->bytes.assign(bytes.begin(), bytes.end());
   settle(*file);
   directory->names[name] = directory->durable_names[name] = file;

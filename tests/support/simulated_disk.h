@@ -73,7 +73,7 @@ class SimulatedDisk {
   void set_capacity(std::uint64_t bytes);
   std::uint64_t largest_use() const;
 
-  // Straight to the content, past every fault; what is put is durable.
+  // Straight to the content, past every fault; what is put is durable, its folders too.
   void put(const std::string& path, std::span<const std::byte> bytes);
   std::vector<std::string> files() const;
   bool has(const std::string& path) const;

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <mutex>
+#include <utility>
 
 #include "tests/support/simulated_disk_state.h"
 
@@ -108,12 +109,13 @@ Outcome truncate(int descriptor, std::uint64_t size) {
 
 Outcome sync(int descriptor) {
   Entered entered(Call::kSync, descriptor);
-  test::Node& file = entered.disk.file_of(descriptor);
+  const NodePtr file = entered.disk.open_files.at(descriptor).file;
   if (entered.failed()) {
-    file.lost = file.lost || !entered.disk.crashed;
+    if (!entered.disk.crashed) entered.disk.lose(file, descriptor);
     return entered.error();
   }
-  if (!file.lost) test::settle(file);
+  if (std::exchange(entered.disk.open_files.at(descriptor).to_fail, false)) return -EIO;
+  if (!file->lost) test::settle(*file);
   return 0;
 }
 

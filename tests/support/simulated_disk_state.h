@@ -56,6 +56,7 @@ struct SimulatedDisk::State {
   struct OpenFile {
     NodePtr file;
     std::string path;
+    bool to_fail = false;  ///< a sync by another descriptor failed: this one hears of it once
   };
 
   mutable std::mutex mutex;
@@ -155,6 +156,14 @@ struct SimulatedDisk::State {
     return node;
   }
 
+  /// The folder at a path, made durably where it is missing.
+  NodePtr make_directories(const std::string& path) {
+    if (NodePtr there = find(path)) return there;
+    const auto [folder, name] = split(path);
+    const NodePtr parent = make_directories(folder);
+    return parent->names[name] = parent->durable_names[name] = make_node(true);
+  }
+
   void count_bytes() {
     used = 0;
     each(root, [&](const Node& node) { used += node.bytes.size(); });
@@ -190,6 +199,13 @@ struct SimulatedDisk::State {
     file.unsynced.push_back({offset, end});
     file.modified = clock += 1000;
     return static_cast<disk::Outcome>(count);
+  }
+
+  /// A sync by one descriptor has failed: every other one that is open now hears of it, too.
+  void lose(const NodePtr& file, int descriptor) {
+    file->lost = true;
+    for (auto& [other, open] : open_files)
+      open.to_fail = open.to_fail || (open.file == file && other != descriptor);
   }
 
   void resize(Node& file, std::uint64_t size) {
