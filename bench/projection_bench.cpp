@@ -131,20 +131,5 @@ void build_grid(benchmark::State& state) {
 }
 BENCHMARK(build_grid)->ArgName("neighbours")->Arg(30)->Arg(113);
 
-/// One point after the other by the plain search, which is what the kernels are checked against.
-void project_plainly(benchmark::State& state) {
-  const Support support = support_for(static_cast<double>(state.range(0)), 3);
-  const CellGrid grid(kLattice, wave(), reach(support));
-  Offsets offsets;
-  std::uint64_t done = 0, neighbours = 0;
-  for (auto _ : state) {
-    grid.gather({wave()[done * 7919 % kPoints], {}}, reach(support), offsets);
-    neighbours += project_point(offsets, support, {}).neighbours;
-    ++done;
-  }
-  report(state, done, neighbours);
-}
-BENCHMARK(project_plainly)->ArgName("neighbours")->Arg(30)->Arg(113);
-
 }  // namespace
 }  // namespace pss

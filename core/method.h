@@ -21,6 +21,9 @@ enum class WeightKind : std::uint8_t {
   kPcl,       ///< exp(-rho^2 / R^2), cut off at R from the query; for comparison only
 };
 
+/// The highest degree of a polynomial.
+inline constexpr int kMostDegree = 4;
+
 enum class Precision : std::uint8_t {
   kDouble,
   kSingle,  ///< with a redo in double of every point whose numbers ask for it
@@ -30,7 +33,7 @@ struct Method {
   MlsOperator op = MlsOperator::kLevin;
   WeightKind weight = WeightKind::kGaussian;
   Precision precision = Precision::kDouble;
-  int degree = 3;  ///< of the polynomial, 0 to 4; apss and rimls have none
+  int degree = 3;  ///< of the polynomial, 0 to kMostDegree; apss and rimls have none
 
   bool operator==(const Method&) const = default;
 };

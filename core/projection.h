@@ -1,10 +1,10 @@
 #pragma once
-// What the projection of one point onto the MLS surface needs and gives.
+// How wide the projection of one point onto the MLS surface looks, and what it gives.
 
 #include <cstdint>
 
+#include "core/lattice.h"
 #include "core/method.h"
-#include "core/neighbours.h"
 #include "core/status.h"
 
 namespace pss {
@@ -41,19 +41,5 @@ struct Projection {
   double residual = 0;  ///< weighted rms distance of the neighbours to the fitted polynomial
   double boundary = 0;  ///< |weighted mean - q| / weighted rms distance: 0 inside, 0.56 on an edge
 };
-
-/// Projects the point at offset zero: `levin` or `fast` in double precision, one point after the
-/// other, as docs/algorithm.md reads. The plain form that the kernels behind Projector are checked
-/// against; jobs do not use it.
-///
-/// Shape:    `neighbours` are the offsets of all points within reach(), in key order.
-/// Units:    the scan's; curvature 1/length.
-/// Requires: 0 <= degree <= 4, 0 < h <= radius.
-/// Errors:   none; a status. Never NaN.
-/// Thread:   any number at once.
-/// Cost:     five to six passes over the neighbours; allocates nothing.
-/// Source:   Alexa, Behr, Cohen-Or, Fleishman, Levin, Silva, "Computing and Rendering Point Set
-///           Surfaces", TVCG 9(1), 2003; conditions as in Amenta, Kil, 2004.
-Projection project_point(const Offsets& neighbours, const Support& support, const Method& method);
 
 }  // namespace pss

@@ -1,5 +1,5 @@
 #pragma once
-// The weights of a neighbour by its squared distance from the foot point, with their derivatives.
+// The weights of a neighbour by its squared distance from the foot point.
 
 #include <cmath>
 #include <variant>
@@ -9,21 +9,12 @@
 
 namespace pss {
 
-/// A weight, and its derivatives with respect to rho^2.
-struct WeightValue {
-  double weight;
-  double first;
-  double second;
-};
-
 /// theta(rho) = exp(-rho^2) S(rho^2), lengths in units of h.
 ///
 /// S is the smoothstep u^3 (10 - 15 u + 6 u^2) of u = (R^2 - rho^2) / (R^2 - (R - 1/2)^2), clamped
 /// to [0, 1]: 1 up to R - 1/2, 0 from R on, twice continuously differentiable in rho^2.
 class TaperedGaussian {
  public:
-  using Value = WeightValue;
-
   /// Where exp(-rho^2) is zero whatever the taper does; radii beyond it are cut to it.
   static constexpr double kWidest = 32;
 
@@ -37,16 +28,6 @@ class TaperedGaussian {
   double weight(double rho_sq) const {
     const double u = taper_argument(rho_sq);
     return exp(-rho_sq) * smoothstep(u);
-  }
-
-  Value with_derivatives(double rho_sq) const {
-    const double gauss = exp(-rho_sq);
-    const double u = taper_argument(rho_sq);
-    const double s = smoothstep(u);
-    const double rest = u * (1 - u);
-    const double s1 = -per_width_ * (30 * rest * rest);
-    const double s2 = per_width_ * per_width_ * (60 * rest * (1 - 2 * u));
-    return {gauss * s, gauss * (s1 - s), gauss * (s2 - 2 * s1 + s)};
   }
 
  private:
@@ -76,16 +57,6 @@ class WendlandWeight {
     return y * y * y * y * (4 * x + 1);
   }
 
-  /// The second derivative is singular at 0, where it only ever comes multiplied by heights that
-  /// vanish faster.
-  WeightValue with_derivatives(double rho_sq) const {
-    const double x = std::sqrt(rho_sq) * per_radius_;
-    const double y = x < 1 ? 1 - x : 0;
-    const double scale = per_radius_ * per_radius_;
-    return {y * y * y * y * (4 * x + 1), -10 * scale * y * y * y,
-            15 * scale * scale * y * y / (x > 1e-6 ? x : 1e-6)};
-  }
-
  private:
   double per_radius_;
 };
@@ -98,11 +69,6 @@ class PclWeight {
   double weight(double rho_sq) const {
     constexpr double kNowhere = 1600;  // squared, beyond the widest radius
     return rho_sq < kNowhere ? exp(-rho_sq * per_radius_sq_) : 0;
-  }
-
-  WeightValue with_derivatives(double rho_sq) const {
-    const double w = weight(rho_sq);
-    return {w, -w * per_radius_sq_, w * per_radius_sq_ * per_radius_sq_};
   }
 
  private:

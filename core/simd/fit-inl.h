@@ -6,11 +6,16 @@
 #define PSS_CORE_SIMD_FIT_INL_H_
 #endif
 
-#include "core/polynomial.h"
+#include "core/method.h"
 #include "core/simd/stage-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pss::HWY_NAMESPACE {
+
+/// Coefficients of a polynomial of this total degree in two variables.
+constexpr std::size_t coefficient_count(int degree) {
+  return static_cast<std::size_t>((degree + 1) * (degree + 2) / 2);
+}
 
 /// Weighted moments about the foot point: w x^i y^j, w d x^i y^j, and what other outputs need.
 template <class T, int kDegree>
@@ -163,15 +168,16 @@ HWY_INLINE void sum_moments(const Balls<T>& balls, const W& weight, Vec<T> radiu
   }
 }
 
-/// A fitted polynomial a lane, as LocalMap.
+/// A fitted height field g(x, y) a lane over its plane, all in units of its h.
 template <class T>
 struct Maps {
   using V = Vec<T>;
 
-  V coefficient[coefficient_count(kMostDegree)];  // zero beyond the lane's degree
-  V degree;                                       // -1 where there is none
-  V residual, boundary;
-  V count;
+  V coefficient[coefficient_count(kMostDegree)];  // of 1, x, y, x^2, ...; zero beyond the degree
+  V degree;                                       // that is determined; -1 where there is none
+  V residual;                                     // weighted rms of g - d
+  V boundary;                                     // |weighted mean - q| / weighted rms distance
+  V count;                                        // neighbours nearer to q than the radius
   Mask<T> second_sheet;
   Mask<T> sound;  // every pivot of the degree asked for is large enough
 };

@@ -119,7 +119,9 @@ struct Axes {
   Vec3<V> u, v, n;
 };
 
-/// The frame whose in-plane axes are a pure function of the unit vector n; as frame_of().
+/// The frame whose in-plane axes are a pure function of the unit vector n.
+///
+/// Source: Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 template <class V>
 HWY_INLINE Axes<V> axes_of(const Vec3<V>& n) {
   using T = hn::TFromV<V>;
@@ -133,7 +135,7 @@ HWY_INLINE Axes<V> axes_of(const Vec3<V>& n) {
           n};
 }
 
-/// Where the component of largest magnitude, the first of equals, is positive; as is_canonical().
+/// Where the component of largest magnitude, the first of equals, is positive.
 template <class V>
 HWY_INLINE auto is_canonical(const Vec3<V>& n) {
   V largest = n.x;

@@ -15,14 +15,18 @@ namespace pss::HWY_NAMESPACE {
 inline constexpr double kMostTurn = 0.3;
 inline constexpr double kMostSlide = 0.25;
 
-/// Sums of a Newton pass about q = t n; the letters are those of PassSums.
+/// Sums of a Newton pass about q = t n: the conditions, their Jacobian, the covariance about q.
+///
+/// Per neighbour: in-plane coordinates x, y, height d, weight w and its derivatives w', w''.
 template <class V>
 struct NewtonSums {
-  V w, wd, dd, cubic, curvature;
-  V xx, xy, yy, xd, yd;
-  V axx, axy, ayy;
-  V g1x, g1y;  // (w + 2 d^2 w') {x, y}
-  V g2x, g2y;  // (w + 3 d^2 w' - 2 t d (w' + d^2 w'')) {x, y}
+  V w, wd, dd;         // w {1, d, d^2}
+  V cubic, curvature;  // w' d^3, d^2 (5 w' + 2 d^2 w'')
+  V xx, xy, yy;        // w {x^2, x y, y^2}
+  V xd, yd;            // w d {x, y}
+  V axx, axy, ayy;     // w' d {x^2, x y, y^2}
+  V g1x, g1y;          // (w + 2 d^2 w') {x, y}
+  V g2x, g2y;          // (w + 3 d^2 w' - 2 t d (w' + d^2 w'')) {x, y}
 };
 
 template <class T>
@@ -82,7 +86,7 @@ NewtonSums<Vec<T>> newton_sums(const Balls<T>& balls, const W& weight, const Axe
   return sums;
 }
 
-/// Newton's step, where the conditions are at a minimum of theirs; see PlaneConditions.
+/// Newton's step towards the root of the conditions, where these are at a minimum of theirs.
 template <class V, class M>
 struct NewtonStep {
   Vec3<V> step;  // the turns a and b, and the slide t

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/simd/targets.h"
+#include "core/weight.h"
 
 // Without fused multiply-add a target would need other roundings than the rest.
 #define HWY_DISABLED_TARGETS \

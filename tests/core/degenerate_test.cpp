@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +22,7 @@ bool is_finite(const World3& v) {
 
 bool is_zero(const World3& v) { return v == World3{0, 0, 0}; }
 
-void expect_defined(const Projection& p, const Method& method) {
+void expect_defined(const Projection& p, const Method& method, double h = 1) {
   const bool known = moved(p.status) || p.status == Status::kTooFew ||
                      p.status == Status::kDegenerate || p.status == Status::kOutOfDomain;
   EXPECT_TRUE(known);
@@ -36,7 +37,7 @@ void expect_defined(const Projection& p, const Method& method) {
     EXPECT_FALSE(p.second_sheet);
     return;
   }
-  EXPECT_LT(length(p.displacement), needs_normals(method.op) ? 0.5 : 1.0);
+  EXPECT_LT(length(p.displacement), (needs_normals(method.op) ? 0.5 : 1.0) * h);
   EXPECT_NEAR(length(p.normal), 1, 1e-6);
   if (!is_zero(p.principal_direction)) {
     EXPECT_NEAR(length(p.principal_direction), 1, 1e-6);
@@ -66,6 +67,60 @@ TEST_P(OddNeighbourhoods, HaveADefinedResultThatIsTheSameInAllCompany) {
           expect_same_in_all_company(cloud.scan, kSupport, method, cloud.queries);
       for (const Projection& p : results) expect_defined(p, method);
     }
+}
+
+TEST_P(OddNeighbourhoods, HaveADefinedResultHoweverFarTheyAreLookedAt) {
+  for (const OddCloud& cloud : GetParam().clouds())
+    for (const Method& method : all_methods({4})) {
+      if (method.weight != WeightKind::kGaussian) continue;
+      for (const double h : {1e-150, 1e-8, 0.05, 1.0, 3.0})
+        for (const double factor : {1.0, 3.0, 40.0, 1e12}) {
+          SCOPED_TRACE(
+              fmt::format("{}, {}, h {}, radius {} h", cloud.name, name_of(method), h, factor));
+          const Support support{h, factor * h};
+          for (const Projection& p : ScanProjector(cloud.scan, support, method)(cloud.queries))
+            expect_defined(p, method, h);
+        }
+    }
+}
+
+struct Expected {
+  const char* name;
+  Points points;
+  Status status;
+};
+
+TEST(Degenerate, NeighbourhoodsNameWhyAPointStays) {
+  const Points few{{0, 0, 0}, {0.5, 0, 0}, {0, 0.7, 0.1}, {-0.4, -0.3, 0}, {0.2, -0.6, 0.2}};
+  const auto first = [&](std::ptrdiff_t n) { return Points(few.begin(), few.begin() + n); };
+  const Points same(50, {0, 0, 0});
+  const Points crowd(100000, {0.25, 0, 0});
+  Points line, rod, octahedron;
+  Random random(12);
+  for (int i = -60; i <= 60; ++i) {
+    const double a = 0.0625 * i;
+    line.push_back({a, 2 * a, -a});
+    rod.push_back({a, 1e-8 * random.uniform(-1, 1), 1e-8 * random.uniform(-1, 1)});
+  }
+  for (const double a : {-1, 1}) octahedron = joined(octahedron, {{a, 0, 0}, {0, a, 0}, {0, 0, a}});
+  for (const Expected& e :
+       {Expected{"none", {}, Status::kTooFew},
+        {"one", first(1), Status::kTooFew},
+        {"two", first(2), Status::kTooFew},
+        {"three", first(3), Status::kDegreeReduced},
+        {"five", first(5), Status::kDegreeReduced},
+        {"one place", same, Status::kDegenerate},
+        {"two places", joined(same, {{0.4, 0, 0}}), Status::kDegenerate},
+        {"three places", joined(crowd, {{0.4, 0, 0}, {0, 1, 0}}), Status::kDegreeReduced},
+        {"line", line, Status::kDegenerate},
+        {"rod", rod, Status::kDegenerate},
+        {"octahedron", octahedron, Status::kDegenerate},
+        {"beyond the radius",
+         {{3.1, 0, 0}, {0, 3.1, 0}, {-3.1, 0.5, 0}, {0, -3.1, 0.4}},
+         Status::kTooFew},
+        {"plane", flat(0), Status::kOk},
+        {"plane with a crowd", joined(flat(0), crowd), Status::kOk}})
+    EXPECT_EQ(project_origin(e.points, kSupport, levin(3)).status, e.status) << e.name;
 }
 
 TEST_P(OddNeighbourhoods, HaveTheSameBitsInEveryTarget) {

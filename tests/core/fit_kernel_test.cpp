@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
-#include "core/polynomial.h"
-#include "tests/support/cloud.h"
+#include "tests/support/scan.h"
 
-namespace pss {
+namespace pss::test {
 namespace {
 
 using std::numbers::pi;
@@ -39,18 +40,6 @@ TEST(FitKernel, DiffersNothingBetweenEqualWidths) {
   }
 }
 
-/// A unit grid about a point between its lines, with noise as heights.
-Offsets noisy_grid(test::Random& random, double half) {
-  Offsets grid;
-  for (double x = -half + 0.3; x < half; ++x)
-    for (double y = -half + 0.4; y < half; ++y) {
-      grid.x.push_back(x);
-      grid.y.push_back(y);
-      grid.z.push_back(1e-3 * random.normal());
-    }
-  return grid;
-}
-
 TEST(FitKernel, OfAMeanHasTheVarianceOfItsEffectiveSamples) {
   for (const WeightKind weight : kWeightKinds) {
     const FitKernel kernel(weight, 0, 3);
@@ -59,36 +48,61 @@ TEST(FitKernel, OfAMeanHasTheVarianceOfItsEffectiveSamples) {
   }
 }
 
+constexpr double kNarrow = 2, kWide = 3;
+
+/// A unit grid with noise as heights.
+Scan noisy_grid(int side, double noise) {
+  Random random(7);
+  std::vector<SurfacePoint> samples;
+  for (int i = 0; i < side; ++i)
+    for (int j = 0; j < side; ++j)
+      samples.push_back({{1.0 * i, 1.0 * j, noise * random.normal()}, {0, 0, 1}});
+  return sorted_scan({{0x1p-30, 0x1p-30, 0x1p-30}, {0, 0, 0}}, samples);
+}
+
+/// Places between the grid's lines, 6 apart, `border` from its edges.
+std::vector<Query> queries_on(int side, double border) {
+  std::vector<Query> queries;
+  for (double x = border; x < side - border; x += 6)
+    for (double y = border; y < side - border; y += 6)
+      queries.push_back({{static_cast<std::int64_t>((std::floor(x) + 0.3) * 0x1p30),
+                          static_cast<std::int64_t>((std::floor(y) + 0.4) * 0x1p30), 0}});
+  return queries;
+}
+
 class FitKernelOfDegree : public testing::TestWithParam<int> {};
 
-TEST_P(FitKernelOfDegree, PredictsWhatFitsMakeOfNoiseOnAGrid) {
+TEST_P(FitKernelOfDegree, PredictsWhatProjectionsMakeOfNoise) {
   const int degree = GetParam();
-  const double radius = degree == 4 ? 4 : 3;
-  const double h = 2, wide = 3;
-  test::Random random(7);
+  const double factor = radius_factor(degree);
+  const double noise = 1e-3;
+  const Scan scan = noisy_grid(360, noise);
+  const std::vector<Query> queries = queries_on(360, factor * kWide + 1);
+  const auto at = [&](double h) {
+    return ScanProjector(scan, {h, factor * h}, levin(degree))(queries);
+  };
+  const std::vector<Projection> near = at(kNarrow);
+  const std::vector<Projection> wide = at(kWide);
   double height_sq = 0, residual_sq = 0, difference_sq = 0;
-  constexpr int kTrials = 3000;
-  for (int trial = 0; trial < kTrials; ++trial) {
-    const Offsets grid = noisy_grid(random, radius * wide + 1);
-    const auto map_at = [&](double width) {
-      return fit_local_map({grid, 1 / width, TaperedGaussian(radius)}, Frame{}, 0, radius, degree);
-    };
-    const LocalMap near = map_at(h);
-    const double height = 1e3 * h * near.coefficient(0, 0);
-    const double wider = 1e3 * wide * map_at(wide).coefficient(0, 0);
-    height_sq += height * height / kTrials;
-    difference_sq += (height - wider) * (height - wider) / kTrials;
-    residual_sq += 1e6 * h * h * near.residual * near.residual / kTrials;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const double height = near[i].displacement[2] / noise;
+    const double change = height - wide[i].displacement[2] / noise;
+    const double residual = near[i].residual / noise;
+    height_sq += height * height / static_cast<double>(queries.size());
+    difference_sq += change * change / static_cast<double>(queries.size());
+    residual_sq += residual * residual / static_cast<double>(queries.size());
   }
-  const FitKernel kernel(WeightKind::kGaussian, degree, radius);
+  const FitKernel kernel(WeightKind::kGaussian, degree, factor);
+  // The plane takes up what a polynomial of degree 1 would.
+  const FitKernel absorbing(WeightKind::kGaussian, std::max(degree, 1), factor);
 
-  // A mean of 3,000 squares is known to 2.6 % (one standard deviation).
-  EXPECT_NEAR(height_sq / (kernel.noise_sq() / (h * h)), 1, 0.1);
-  EXPECT_NEAR(difference_sq / kernel.difference_sq(h, wide), 1, 0.1);
-  EXPECT_NEAR(residual_sq, 1 - kernel.absorbed() / (h * h), 0.02);
+  // A mean of some 3,000 squares is known to 2.6 % (one standard deviation).
+  EXPECT_NEAR(height_sq / (kernel.noise_sq() / (kNarrow * kNarrow)), 1, 0.1);
+  EXPECT_NEAR(difference_sq / kernel.difference_sq(kNarrow, kWide), 1, 0.1);
+  EXPECT_NEAR(residual_sq, 1 - absorbing.absorbed() / (kNarrow * kNarrow), 0.01);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FitKernelOfDegree, testing::Range(0, 5));
 
 }  // namespace
-}  // namespace pss
+}  // namespace pss::test

@@ -53,36 +53,5 @@ TEST(EigenDecomposition, HandlesTiesZerosAndRankOne) {
   expect_eigen_system({1, 1e-9, 0, 1, 0, 1e-30}, 1);
 }
 
-TEST(Frame, IsOrthonormalAndRightHandedForEveryNormal) {
-  Random random(6);
-  std::vector<World3> normals{{0, 0, 1},
-                              {0, 0, -1},
-                              {1, 0, 0},
-                              {0, 1, 0},
-                              {0, -1, 0},
-                              normalized({1e-9, 0, -1}),
-                              normalized({0, 1e-17, -1})};
-  for (int i = 0; i < 200; ++i)
-    normals.push_back(normalized({random.normal(), random.normal(), random.normal()}));
-  for (const World3& n : normals) {
-    const Frame f = frame_of(n);
-    EXPECT_EQ(f.n, n);
-    EXPECT_NEAR(dot(f.u, f.u), 1, 1e-15);
-    EXPECT_NEAR(dot(f.v, f.v), 1, 1e-15);
-    EXPECT_NEAR(dot(f.u, f.v), 0, 1e-15);
-    EXPECT_NEAR(dot(f.u, n), 0, 1e-15);
-    const World3 cross{f.u[1] * f.v[2] - f.u[2] * f.v[1], f.u[2] * f.v[0] - f.u[0] * f.v[2],
-                       f.u[0] * f.v[1] - f.u[1] * f.v[0]};
-    EXPECT_NEAR(dot(cross, n), 1, 1e-15);
-  }
-}
-
-TEST(CanonicalSign, FollowsTheFirstOfTheLargestComponents) {
-  EXPECT_TRUE(is_canonical({0, 0, 1}));
-  EXPECT_FALSE(is_canonical({0.1, 0.2, -0.9}));
-  EXPECT_TRUE(is_canonical({0.5, -0.5, 0}));
-  EXPECT_FALSE(is_canonical({-0.5, 0.5, 0.5}));
-}
-
 }  // namespace
 }  // namespace pss::test

@@ -51,15 +51,14 @@ TEST(Project, EqualsTheSameComputationInMemory) {
   for (std::size_t i = 0; i < kPoints; ++i)
     if (cloud.rows[i] == std::byte{0}) neighbours.push_back(cloud.positions[i]);
   const CellGrid grid(kLattice, neighbours, 4.9);
-
-  Offsets offsets;
+  Projector projector(grid, parameters.method);
   for (std::size_t i = 0; i < kPoints; ++i) {
     Index3 expected = cloud.positions[i];
     for (std::int64_t& c : expected) c *= 256;
     if (cloud.rows[i] == std::byte{0}) {
-      grid.gather({cloud.positions[i], {}}, reach(parameters.support), offsets);
-      const Projection p =
-          project_point(offsets, parameters.support, {.degree = parameters.method.degree});
+      const Query query{cloud.positions[i]};
+      Projection p;
+      projector.project({&query, 1}, {&parameters.support, 1}, {&p, 1});
       for (std::size_t a = 0; a < 3; ++a)
         expected[a] += std::llrint(p.displacement[a] / (0.001 / 256));
     }

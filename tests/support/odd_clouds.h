@@ -55,6 +55,13 @@ inline OddCloud odd_cloud(const std::string& name, const Points& points, double 
   return cloud;
 }
 
+/// Where the origin goes, among points that are held to 2^-36.
+inline Projection project_origin(const Points& points, const Support& support,
+                                 const Method& method) {
+  const OddCloud cloud = odd_cloud("", points, 0x1p-36);
+  return ScanProjector(cloud.scan, support, method)(cloud.queries[0]);
+}
+
 inline std::vector<OddCloud> few_points() {
   const Points few{{0, 0, 0}, {0.5, 0, 0}, {0, 0.7, 0.1}, {-0.4, -0.3, 0}, {0.2, -0.6, 0.2}};
   std::vector<OddCloud> clouds;

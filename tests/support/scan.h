@@ -65,6 +65,15 @@ inline Scan scan_of(const Surface& surface, double spacing, double noise = 0,
   return scan;
 }
 
+/// Whether `n` points the canonical way: its component of largest magnitude, the first of equals,
+/// is positive.
+inline bool is_canonical(const World3& n) {
+  std::size_t largest = 0;
+  for (std::size_t a = 1; a < 3; ++a)
+    if (std::abs(n[a]) > std::abs(n[largest])) largest = a;
+  return n[largest] > 0;
+}
+
 inline Method levin(int degree) {
   return {MlsOperator::kLevin, WeightKind::kGaussian, Precision::kDouble, degree};
 }
