@@ -6,12 +6,12 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 
 #include "core/key_sort.h"
 #include "core/morton.h"
 #include "core/neighbours.h"
+#include "core/spacing.h"
 #include "core/vec3.h"
 
 namespace pss {
@@ -21,7 +21,6 @@ constexpr std::size_t kMostPoints = std::numeric_limits<std::uint32_t>::max() - 
 /// Beyond it squares of lengths overflow.
 constexpr double kLargestCoordinate = 1e150;
 
-constexpr int kSpacingRank = 16;
 constexpr std::size_t kSpacingSample = 1024;
 
 Error bad(std::string message) { return {Fault::kBadInput, std::move(message)}; }
@@ -90,10 +89,6 @@ Normal unit_normal(const World3& direction) {
           static_cast<float>(direction[2] / length)};
 }
 
-Normal unit_normal(const Normal& direction) {
-  return unit_normal(World3{direction[0], direction[1], direction[2]});
-}
-
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals,
                                const std::optional<Lattice>& lattice) {
   PSS_TRY(check_points(points));
@@ -132,7 +127,7 @@ std::optional<double> spacing_of(const SortedCloud& cloud) {
     distances.push_back(grid.kth_distance(positions[i], kSpacingRank, HUGE_VAL).value());
   const auto median = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
   std::ranges::nth_element(distances, median);
-  return *median * std::sqrt(std::numbers::pi / kSpacingRank);
+  return spacing_of_d16(*median);
 }
 
 }  // namespace pss

@@ -13,11 +13,10 @@
 namespace pss {
 
 /// A direction as a cloud's normal: of length one; zero for what has no direction.
-///
-/// The second is no inline call of the first: g++ 12 at -O2 vectorises pairs of double -> float ->
-/// double away.
 Normal unit_normal(const World3& direction);
-Normal unit_normal(const Normal& direction);
+inline Normal unit_normal(const Normal& direction) {
+  return unit_normal(World3{direction[0], direction[1], direction[2]});
+}
 
 struct SortedCloud {
   Lattice lattice;
@@ -35,8 +34,7 @@ struct SortedCloud {
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals = {},
                                const std::optional<Lattice>& lattice = std::nullopt);
 
-/// The mean distance between points on a surface: median of d16 * sqrt(pi / 16) over a sample, d16
-/// the distance to the 16th nearest distinct position.
+/// The mean distance between points on a surface: spacing_of_d16() of the median over a sample.
 ///
 /// Empty where there are fewer than 17 distinct positions. It depends on neither the order of the
 /// caller's points nor on how many share a position.

@@ -1,8 +1,6 @@
 #include "stream/spacing.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <queue>
 #include <set>
 
@@ -80,8 +78,6 @@ Spacing spacing_over(const std::vector<SampledPosition>& points) {
 }
 
 }  // namespace
-
-double spacing_of_d16(double d16) { return d16 * std::sqrt(std::numbers::pi / kSpacingRank); }
 
 Result<SpacingSample> sample_spacing(const Store& store, MemoryBudget& budget, Monitor& monitor) {
   monitor.begin("spacing", store.points(), store.tiles().size());

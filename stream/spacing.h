@@ -7,6 +7,7 @@
 
 #include "core/monitor.h"
 #include "core/result.h"
+#include "core/spacing.h"
 #include "stream/memory.h"
 #include "stream/store.h"
 
@@ -14,7 +15,7 @@ namespace pss {
 
 /// The distance to the 16th nearest distinct position, over the sample.
 struct Spacing {
-  double spacing = 0;   ///< median d16 * sqrt(pi / 16): the mean spacing of points on a surface
+  double spacing = 0;   ///< spacing_of_d16() of the median: the mean of points on a surface
   double d16 = 0;       ///< the median
   double d16_low = 0;   ///< 10th percentile
   double d16_high = 0;  ///< 90th percentile
@@ -24,11 +25,6 @@ struct Spacing {
   bool varying() const { return d16_high > 4 * d16_low; }
 };
 
-/// d16 to spacing: a disc of radius d16 holds 16 points, each with an area of spacing^2.
-double spacing_of_d16(double d16);
-
-/// The nearest-neighbour rank that the spacing is measured at.
-inline constexpr int kSpacingRank = 16;
 /// The distinct positions of smallest hash that are measured.
 inline constexpr std::size_t kSpacingSample = 4096;
 
