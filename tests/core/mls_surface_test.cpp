@@ -7,45 +7,16 @@
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "core/parallel.h"
-#include "core/shapes.h"
-#include "core/vec3.h"
-#include "tests/support/cloud.h"
+#include "tests/core/mls_fixture.h"
+#include "tests/support/batches.h"
 
 namespace pss::test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-auto all_of(const Projection& p) {
-  return std::tie(p.status, p.second_sheet, p.redone, p.neighbours, p.displacement, p.normal,
-                  p.mean_curvature, p.gaussian_curvature, p.principal_direction, p.residual,
-                  p.boundary);
-}
-
-/// How many of both lists differ in any number.
-std::size_t differing(const std::vector<Projection>& a, const std::vector<Projection>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-    count += all_of(a[i]) != all_of(b[i]) ? 1 : 0;
-  return count;
-}
-
-/// Random points near a torus, `spacing` apart on average.
-std::vector<World3> noisy_torus(double spacing, double noise, std::uint64_t seed = 11) {
-  const Torus torus;
-  Random random(seed);
-  std::vector<World3> points(static_cast<std::size_t>(area(torus) / (spacing * spacing)));
-  for (World3& p : points) {
-    const SurfacePoint on = surface_point(torus, random.uniform(), random.uniform());
-    p = on.position + noise * random.normal() * on.normal;
-  }
-  return points;
-}
 
 std::vector<std::size_t> shuffled(std::size_t count, std::uint64_t seed) {
   std::vector<std::size_t> order(count);
@@ -62,20 +33,8 @@ std::vector<T> picked(const std::vector<T>& from, const std::vector<std::size_t>
   return result;
 }
 
-MlsSurface surface_over(const std::vector<World3>& points, const MlsOptions& options = {}) {
-  return MlsSurface::create(points, options).value();
-}
-
 std::vector<Projection> results_of(const std::vector<World3>& points, const MlsOptions& options) {
   return surface_over(points, options).project_points();
-}
-
-/// A flat square of 5 x 5 points in z = 0, from 0 to 1.
-std::vector<World3> small_square() {
-  std::vector<World3> points;
-  for (int i = 0; i < 5; ++i)
-    for (int j = 0; j < 5; ++j) points.push_back({0.25 * i, 0.25 * j, 0});
-  return points;
 }
 
 TEST(MlsSurface, GivesWhatAProjectorGivesOverTheSortedPoints) {
@@ -88,7 +47,7 @@ TEST(MlsSurface, GivesWhatAProjectorGivesOverTheSortedPoints) {
   std::vector<Projection> expected(points.size());
   const Support support{0.2, 0.6000000000000001};  // 3 * 0.2
   Projector(grid, Method{}, {}).project(queries, {&support, 1}, expected);
-  EXPECT_EQ(differing(surface.project_points(), expected), 0u);
+  EXPECT_EQ(count_different(surface.project_points(), expected), 0u);
 }
 
 TEST(MlsSurface, AnswersInTheOrderOfTheQueries) {
@@ -99,7 +58,7 @@ TEST(MlsSurface, AnswersInTheOrderOfTheQueries) {
   const Projected straight = surface.project(queries);
   const Projected mixed = surface.project(picked(queries, order));
   EXPECT_EQ(mixed.positions, picked(straight.positions, order));
-  EXPECT_EQ(differing(mixed.results, picked(straight.results, order)), 0u);
+  EXPECT_EQ(count_different(mixed.results, picked(straight.results, order)), 0u);
 }
 
 TEST(MlsSurface, DependsNotOnTheOrderOfItsPoints) {
@@ -111,7 +70,7 @@ TEST(MlsSurface, DependsNotOnTheOrderOfItsPoints) {
         MlsOptions{.method = {.op = MlsOperator::kRimls}, .h = 0.2},
         MlsOptions{.method = {.op = MlsOperator::kFast, .precision = Precision::kSingle}}}) {
     const std::vector<Projection> mixed = results_of(picked(points, order), options);
-    EXPECT_EQ(differing(mixed, picked(results_of(points, options), order)), 0u);
+    EXPECT_EQ(count_different(mixed, picked(results_of(points, options), order)), 0u);
   }
 }
 
@@ -121,7 +80,7 @@ TEST(MlsSurface, DependsNotOnTheThreads) {
     const ThreadLimit limit(count);
     return results_of(points, {.knn = 30});
   };
-  EXPECT_EQ(differing(with_threads(1), with_threads(2)), 0u);
+  EXPECT_EQ(count_different(with_threads(1), with_threads(2)), 0u);
 }
 
 TEST(MlsSurface, StillAnswersAfterAMove) {
@@ -129,7 +88,7 @@ TEST(MlsSurface, StillAnswersAfterAMove) {
   MlsSurface first = surface_over(points, {.h = 0.2});
   const std::vector<Projection> before = first.project_points();
   const MlsSurface second = std::move(first);
-  EXPECT_EQ(differing(second.project_points(), before), 0u);
+  EXPECT_EQ(count_different(second.project_points(), before), 0u);
 }
 
 // The bound is the error on a sphere of the tube's radius rho, h^4 / (4 rho^3): a torus bends less.
@@ -179,7 +138,8 @@ TEST(MlsSurface, GivesEqualQueriesEqualAnswers) {
   const std::vector<Projection> all = surface.project(thrice).results;
   for (std::size_t copy = 0; copy < 3; ++copy) {
     const auto begin = all.begin() + static_cast<std::ptrdiff_t>(copy * queries.size());
-    EXPECT_EQ(differing({begin, begin + static_cast<std::ptrdiff_t>(queries.size())}, once), 0u);
+    EXPECT_EQ(count_different({begin, begin + static_cast<std::ptrdiff_t>(queries.size())}, once),
+              0u);
   }
 }
 
@@ -251,45 +211,6 @@ TEST(MlsSurface, LooksAsFarAsTheNeighbourThatItIsTold) {
   }
 }
 
-TEST(MlsSurface, ChoosesTwiceTheSpacingWhereNothingIsSaid) {
-  const std::vector<World3> points = noisy_torus(0.05, 0);
-  const double spacing = spacing_of(sort_cloud(points).value()).value();
-  EXPECT_NEAR(spacing, 0.05, 0.005);
-  const MlsSurface surface = surface_over(points);
-  EXPECT_EQ(surface.support().h, 2 * spacing);
-  EXPECT_EQ(surface.support().radius, 6 * spacing);
-  EXPECT_EQ(surface.size(), points.size());
-}
-
-TEST(MlsSurface, MakesHAndRadiusFollowFromEachOther) {
-  const auto support = [](const MlsOptions& options) {
-    return surface_over(small_square(), options).support();
-  };
-  EXPECT_EQ(support({.h = 0.5}).radius, 1.5);
-  EXPECT_EQ(support({.method = {.degree = 4}, .h = 0.5}).radius, 2);
-  EXPECT_EQ(support({.radius = 1.5}).h, 0.5);
-  EXPECT_EQ(support({.method = {.weight = WeightKind::kPcl}, .radius = 1.5}).h, 1.5);
-  EXPECT_EQ(support({.method = {.weight = WeightKind::kPcl}, .h = 1.5}).radius, 1.5);
-  EXPECT_EQ(support({.h = 0.5, .radius = 0.75}).radius, 0.75);
-}
-
-class SenselessOptions : public testing::TestWithParam<MlsOptions> {};
-INSTANTIATE_TEST_SUITE_P(MlsSurface, SenselessOptions,
-                         testing::Values(MlsOptions{.h = -1}, MlsOptions{.h = kNaN},
-                                         MlsOptions{.radius = HUGE_VAL},
-                                         MlsOptions{.h = 2, .radius = 1}, MlsOptions{.knn = -1},
-                                         MlsOptions{.knn = 10001}, MlsOptions{.h = 1, .knn = 5},
-                                         MlsOptions{.method = {.degree = 5}},
-                                         MlsOptions{.method = {.degree = -1}},
-                                         MlsOptions{.lattice = Lattice{{0, 1, 1}, {0, 0, 0}}},
-                                         MlsOptions{.lattice = Lattice{{1, 1, 1}, {0, kNaN, 0}}}));
-
-TEST_P(SenselessOptions, AreAUsageError) {
-  const Result<MlsSurface> surface = MlsSurface::create(small_square(), GetParam());
-  ASSERT_FALSE(surface);
-  EXPECT_EQ(surface.error().fault, Fault::kUsage);
-}
-
 /// The surface by an operator with normals that were computed, and with the same ones given.
 class OperatorsWithNormals : public testing::TestWithParam<MlsOperator> {};
 INSTANTIATE_TEST_SUITE_P(MlsSurface, OperatorsWithNormals,
@@ -304,7 +225,7 @@ TEST_P(OperatorsWithNormals, ComputeThoseThatAreNotGiven) {
   const MlsOptions options{.method = {.op = GetParam()}, .h = 0.2};
   const Projected computed = smooth(points, options).value();
   const Projected given = smooth(points, options, {normals}).value();
-  EXPECT_EQ(differing(computed.results, given.results), 0u);
+  EXPECT_EQ(count_different(computed.results, given.results), 0u);
 }
 
 // An algebraic sphere through points and normals of a sphere is that sphere, from anywhere near it.
