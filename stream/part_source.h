@@ -29,14 +29,22 @@ class PartQueue {
   std::vector<PartRange> cut_;  ///< the last is the next
 };
 
+/// What parts may take of the memory limit: what is free before the first is loaded.
+struct Room {
+  explicit Room(const MemoryBudget& budget) : limit(budget.limit()), bytes(budget.available()) {}
+
+  std::uint64_t limit;
+  std::uint64_t bytes;
+};
+
 /// Whether a planned part may be loaded in one; otherwise it is to be cut.
 ///
-/// Errors: kMemoryLimit where a block with what lies around it exceeds the limit: place, density
-///         and the limit or radius that would do.
-Result<bool> fits(const Store& source, const Operator& op, const PartPlan& plan,
-                  const MemoryBudget& budget);
+/// Errors: kMemoryLimit where a block with what lies around it exceeds the limit: place, density,
+///         a limit that does for the whole store, and what radius might, where any can.
+Result<bool> fits(const PartLoader& loader, const Operator& op, const PartPlan& plan,
+                  const Room& room);
 /// Beyond so many candidates no part fits: what plan_near() may stop to keep at.
-std::uint64_t most_candidates(const MemoryBudget& budget);
+std::uint64_t most_candidates(const Room& room);
 
 /// Takes memory for a part: grows its reservation to `bytes`, waiting where others will give some
 /// back. False where nobody will.
@@ -63,7 +71,7 @@ class PartSource {
   Result<bool> take_memory(const PartPlan& plan, Reservation& memory);
 
   const Operator& op_;
-  const MemoryBudget& budget_;
+  Room room_;
   PartLoader loader_;
   PartQueue queue_;
   TakeMemory take_memory_;

@@ -87,21 +87,30 @@ Result<void> ProjectOperator::choose_columns(const Schema& source) {
   return {};
 }
 
-/// A place is asked for once, so copies of it stay together: of however many, where blocks let
-/// them.
 std::vector<ProjectOperator::Chunk> ProjectOperator::chunks_of(const Part& part) {
   std::vector<Chunk> chunks;
   std::size_t start = 0;
   for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
     const std::size_t end = start + part.block_counts[b];
     while (start < end) {
-      std::size_t next = std::min(start + kChunkPoints, end);
-      while (next < end && part.own[next] == part.own[next - 1]) ++next;
+      const std::size_t next = std::min(start + kChunkPoints, end);
       chunks.push_back({b, start, next - start});
       start = next;
     }
   }
   return chunks;
+}
+
+/// Ranges of chunks for one worker each: a place is asked for once, so copies of it stay together.
+std::vector<PointRange> ProjectOperator::tasks_of(const Part& part,
+                                                  const std::vector<Chunk>& chunks) {
+  std::vector<PointRange> tasks;
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    const std::size_t first = chunks[c].first;
+    if (c == 0 || part.own[first] != part.own[first - 1]) tasks.push_back({c, c});
+    tasks.back().end = c + 1;
+  }
+  return tasks;
 }
 
 /// One note a block, its chunks added up in row order whoever computed them.
@@ -117,16 +126,18 @@ std::vector<std::vector<std::byte>> ProjectOperator::notes_of(
 
 std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& monitor) const {
   const std::vector<Chunk> chunks = chunks_of(part);
+  const std::vector<PointRange> tasks = tasks_of(part, chunks);
   std::vector<ProjectStatistics> statistics(chunks.size());
   assert(!needs_normals(parameters_.method.op) || part.normals.size() == part.candidates.size());
   if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, kSmallestReach);
   Spares<Worker> workers;
-  parallel_for(chunks.size(), 1, [&](std::size_t begin, std::size_t end) {
+  parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
     std::unique_ptr<Worker> worker = workers.take();
     if (!worker)
       worker = std::make_unique<Worker>(*part.grid, parameters_.method,
                                         CloudNormals{part.normals, oriented_});
-    for (std::size_t c = begin; c < end && !monitor.stopping(); ++c) {
+    const std::size_t last = tasks[end - 1].end;
+    for (std::size_t c = tasks[begin].begin; c < last && !monitor.stopping(); ++c) {
       statistics[c] = project(chunks[c], *worker, part);
       monitor.advance(chunks[c].count);
     }

@@ -77,6 +77,7 @@ class ProjectOperator : public Operator {
   };
   ProjectStatistics project(const Chunk& chunk, Worker& worker, Part& part) const;
   static std::vector<Chunk> chunks_of(const Part& part);
+  static std::vector<PointRange> tasks_of(const Part& part, const std::vector<Chunk>& chunks);
   static std::vector<std::vector<std::byte>> notes_of(
       const Part& part, const std::vector<Chunk>& chunks,
       const std::vector<ProjectStatistics>& statistics);

@@ -1,14 +1,23 @@
 #include "stream/query_batch.h"
 
-#include <cassert>
+#include <span>
 
 namespace pss {
 
+namespace {
+
+template <class T>
+void keep_last(std::vector<T>& values) {
+  if (values.size() > 1) values.erase(values.begin(), values.end() - 1);
+}
+
+}  // namespace
+
 void QueryBatch::clear() {
   points_.clear();
-  queries_.clear();
-  supports_.clear();
-  results_.clear();
+  keep_last(queries_);
+  keep_last(supports_);
+  keep_last(results_);
 }
 
 void QueryBatch::add(Status status) { points_.push_back({kNoQuery, status}); }
@@ -22,8 +31,11 @@ void QueryBatch::add(const Index3& position, const Support& support) {
 }
 
 void QueryBatch::project(Projector& projector) {
+  const std::size_t asked = results_.size();
+  if (asked == queries_.size()) return;
   results_.resize(queries_.size());
-  if (!queries_.empty()) projector.project(queries_, supports_, results_);
+  projector.project(std::span(queries_).subspan(asked), std::span(supports_).subspan(asked),
+                    std::span(results_).subspan(asked));
 }
 
 Projection QueryBatch::answer(std::size_t i) const {

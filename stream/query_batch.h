@@ -13,6 +13,9 @@ namespace pss {
 /// Queries in the order of their points, and which of them answers for which point.
 class QueryBatch {
  public:
+  /// Forgets all points; the last answer is kept for more points of its place.
+  ///
+  /// Requires: the cloud and the place's support stay the same.
   void clear();
 
   /// A point whose status is known without looking at its neighbours.
@@ -22,7 +25,7 @@ class QueryBatch {
   /// Requires: one support a place.
   void add(const Index3& position, const Support& support);
 
-  /// Asks all questions in one call.
+  /// Asks all new questions in one call.
   void project(Projector& projector);
 
   /// The answer for the point that was added as number `i`.
@@ -41,7 +44,7 @@ class QueryBatch {
   std::vector<Point> points_;
   std::vector<Query> queries_;
   std::vector<Support> supports_;
-  std::vector<Projection> results_;
+  std::vector<Projection> results_;  ///< of queries that have been asked
 };
 
 }  // namespace pss

@@ -102,6 +102,7 @@ Result<ScheduleSummary> run_operator(const Store& source, const Operator& op, St
 Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& op,
                                            MemoryBudget& budget) {
   const PartLoader loader(source, op.needs());
+  const Room room(budget);
   PartQueue queue(0, source.tiles());
   ScheduleEstimate estimate;
   estimate.tiles = source.tiles().size();
@@ -109,8 +110,8 @@ Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& 
   while (const std::optional<PartRange> range = queue.pop()) {
     PSS_ASSIGN(PartPlan plan, loader.plan(*range));
     plan.around = op.around(plan);
-    PSS_TRY(loader.plan_near(plan, most_candidates(budget)));
-    PSS_ASSIGN(const bool whole, fits(source, op, plan, budget));
+    PSS_TRY(loader.plan_near(plan, most_candidates(room)));
+    PSS_ASSIGN(const bool whole, fits(loader, op, plan, room));
     if (!whole) {
       queue.push_halves(*range);
       continue;
