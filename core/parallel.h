@@ -1,5 +1,5 @@
 #pragma once
-// Loops over all threads; the one place that knows how they are run.
+// Loops and pipelines over all threads; the one place that knows how they are run.
 
 #include <cstddef>
 #include <functional>
@@ -29,5 +29,21 @@ int thread_count();
 /// Thread:   ranges hold at most `grain` items; which thread runs which is not determined.
 void parallel_for(std::size_t count, std::size_t grain,
                   const std::function<void(std::size_t, std::size_t)>& body);
+
+/// Passes pieces 0, 1, 2, ... through three steps, until `take` or `give` returns false.
+///
+/// take(k) prepares a piece and give(k) hands it on, each for one piece after the other, in order;
+/// work(k) is done on many pieces at once. Piece k may use what piece k - `slots` used: that one
+/// has been given. What was taken is worked on; after a false `give` nothing is given any more.
+///
+/// Requires: they throw nothing. `take` and `give` may wait for the disk: the other threads go on
+///           meanwhile, as far as `slots` pieces reach.
+/// Thread:   `take` and `give` by any, and possibly at once.
+void parallel_in_order(std::size_t slots, const std::function<bool(std::size_t)>& take,
+                       const std::function<void(std::size_t)>& work,
+                       const std::function<bool(std::size_t)>& give);
+
+/// So many slots keep all threads busy while pieces take unequal time.
+std::size_t slots_in_order();
 
 }  // namespace pss

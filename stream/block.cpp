@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 #include <limits>
+#include <memory>
 
 #include "stream/bytes.h"
 #include "stream/codec.h"
@@ -42,11 +43,11 @@ bool fits_32_bits(const IndexBox& box) {
 template <class U>
 void append_offsets(std::span<const Index3> positions, const Index3& origin,
                     std::vector<std::byte>& out) {
-  std::vector<Offsets3<U>> offsets(positions.size());
+  const auto offsets = std::make_unique_for_overwrite<Offsets3<U>[]>(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
       offsets[i][a] = static_cast<U>(wrap(positions[i][a]) - wrap(origin[a]));
-  append_column(reinterpret_cast<const std::byte*>(offsets.data()),
+  append_column(reinterpret_cast<const std::byte*>(offsets.get()),
                 offset_shape<U>(positions.size()), out);
 }
 
@@ -63,9 +64,9 @@ void append_positions(std::span<const Index3> positions, const IndexBox& box,
 template <class U>
 bool decode_offsets(std::span<const std::byte> column, const Index3& origin,
                     std::span<Index3> out) {
-  std::vector<Offsets3<U>> offsets(out.size());
+  const auto offsets = std::make_unique_for_overwrite<Offsets3<U>[]>(out.size());
   if (!decode_column(column, offset_shape<U>(out.size()),
-                     reinterpret_cast<std::byte*>(offsets.data())))
+                     reinterpret_cast<std::byte*>(offsets.get())))
     return false;
   for (std::size_t i = 0; i < out.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
@@ -84,11 +85,14 @@ void end_column(EncodedBlock& block) {
 }  // namespace
 
 IndexBox box_of(std::span<const Index3> positions) {
-  IndexBox box;
-  if (positions.empty()) return box;
-  box.min = box.max = positions[0];
-  for (const Index3& p : positions) box.add(p);
-  return box;
+  if (positions.empty()) return {};
+  Index3 low = positions[0], high = positions[0];
+  for (const Index3& p : positions)
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  return {low, high};
 }
 
 EncodedBlock encode_block(const Schema& schema, std::span<const Index3> positions,

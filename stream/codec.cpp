@@ -4,6 +4,7 @@
 
 #include <cassert>
 #include <cstring>
+#include <memory>
 #include <type_traits>
 
 namespace pss {
@@ -104,8 +105,8 @@ std::size_t column_bound(std::size_t bytes) { return bytes + 1; }
 void append_column(const std::byte* values, const ColumnShape& shape, std::vector<std::byte>& out) {
   assert(shape.bytes() <= LZ4_MAX_INPUT_SIZE);
   const std::size_t size = shape.bytes();
-  std::vector<std::byte> planes(size);
-  split(values, shape, planes.data());
+  const auto planes = std::make_unique_for_overwrite<std::byte[]>(size);
+  split(values, shape, planes.get());
 
   const std::size_t start = out.size();
   const std::byte delta = shape.delta ? kDeltaFlag : std::byte{0};
@@ -113,12 +114,12 @@ void append_column(const std::byte* values, const ColumnShape& shape, std::vecto
   // The target is as large as the source: where LZ4 gains nothing, it gives up.
   const int packed = size == 0
                          ? 0
-                         : LZ4_compress_default(reinterpret_cast<const char*>(planes.data()),
+                         : LZ4_compress_default(reinterpret_cast<const char*>(planes.get()),
                                                 reinterpret_cast<char*>(out.data() + start + 1),
                                                 static_cast<int>(size), static_cast<int>(size) - 1);
   out[start] = packed > 0 ? delta | kLz4Flag : delta;
   if (packed > 0) return out.resize(start + 1 + static_cast<std::size_t>(packed));
-  if (size > 0) std::memcpy(out.data() + start + 1, planes.data(), size);
+  if (size > 0) std::memcpy(out.data() + start + 1, planes.get(), size);
 }
 
 bool decode_column(std::span<const std::byte> column, const ColumnShape& shape, std::byte* values) {
@@ -129,9 +130,9 @@ bool decode_column(std::span<const std::byte> column, const ColumnShape& shape, 
     if (payload.size() != shape.bytes()) return false;
     return join(payload.data(), shape, delta, values), true;
   }
-  std::vector<std::byte> planes(shape.bytes());
-  if (!decompress(payload, planes)) return false;
-  return join(planes.data(), shape, delta, values), true;
+  const auto planes = std::make_unique_for_overwrite<std::byte[]>(shape.bytes());
+  if (!decompress(payload, {planes.get(), shape.bytes()})) return false;
+  return join(planes.get(), shape, delta, values), true;
 }
 
 }  // namespace pss

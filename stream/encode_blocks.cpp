@@ -1,21 +1,28 @@
 #include "stream/encode_blocks.h"
 
 #include <algorithm>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/parallel.h"
+#include "core/spares.h"
 
 namespace pss {
 namespace {
 
-std::size_t blocks_at_once() { return static_cast<std::size_t>(thread_count()) + 1; }
+/// Points on their way into a block.
+struct Workspace {
+  std::vector<Index3> positions;
+  std::vector<std::byte> rows;
+};
 
 EncodedBlock encode_part(const Schema& schema, std::size_t begin, std::size_t count,
-                         const BlockSource& source) {
-  std::vector<Index3> positions(count);
-  std::vector<std::byte> rows(count * schema.row_size());
-  source(begin, positions, rows);
-  return encode_block(schema, positions, rows);
+                         const BlockSource& source, Workspace& space) {
+  space.positions.resize(count);
+  space.rows.resize(count * schema.row_size());
+  source(begin, space.positions, space.rows);
+  return encode_block(schema, space.positions, space.rows);
 }
 
 }  // namespace
@@ -24,26 +31,40 @@ Result<void> encode_blocks(const Schema& schema, std::size_t count, std::size_t 
                            const BlockSource& source,
                            const std::function<Result<void>(const EncodedBlock&)>& sink,
                            const Monitor& monitor) {
-  std::vector<EncodedBlock> blocks(blocks_at_once());
-  for (std::size_t done = 0; done < count;) {
-    if (monitor.stopping()) return Error{Fault::kInterrupted, "stopped while writing points"};
-    const std::size_t left = (count - done + block_points - 1) / block_points;
-    const std::size_t now = std::min(left, blocks.size());
-    parallel_for(now, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t b = begin; b < end; ++b) {
-        const std::size_t first = done + b * block_points;
-        blocks[b] = encode_part(schema, first, std::min(block_points, count - first), source);
-      }
-    });
-    for (std::size_t b = 0; b < now; ++b) PSS_TRY(sink(blocks[b]));
-    done += std::min(count - done, now * block_points);
-  }
-  return {};
+  std::vector<EncodedBlock> blocks(slots_in_order());
+  Spares<Workspace> spares;
+  bool stopped = false;
+  Result<void> result;
+  parallel_in_order(
+      blocks.size(),
+      [&](std::size_t k) {
+        if (k * block_points >= count) return false;
+        stopped = monitor.stopping();
+        return !stopped;
+      },
+      [&](std::size_t k) {
+        std::unique_ptr<Workspace> space = spares.take();
+        if (!space) space = std::make_unique<Workspace>();
+        const std::size_t begin = k * block_points;
+        blocks[k % blocks.size()] =
+            encode_part(schema, begin, std::min(block_points, count - begin), source, *space);
+        spares.give(std::move(space));
+      },
+      [&](std::size_t k) {
+        result = sink(blocks[k % blocks.size()]);
+        return result.has_value();
+      });
+  if (result && stopped) return Error{Fault::kInterrupted, "stopped while writing points"};
+  return result;
 }
 
 std::uint64_t encode_blocks_memory(const Schema& schema, std::size_t block_points) {
-  const std::size_t row = sizeof(Index3) + schema.row_size();
-  return blocks_at_once() * (encode_bytes(schema, block_points) + block_points * row);
+  // What a thread's work on a block takes, and the blocks that are done and not handed on.
+  const std::uint64_t row = sizeof(Index3) + schema.row_size();
+  const std::uint64_t done = block_points * row + 64 * (schema.fields().size() + 2);
+  return static_cast<std::uint64_t>(thread_count()) *
+             (encode_bytes(schema, block_points) + block_points * row) +
+         slots_in_order() * done;
 }
 
 }  // namespace pss

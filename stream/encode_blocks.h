@@ -1,5 +1,5 @@
 #pragma once
-// Blocks compressed by all threads at once, handed on by one.
+// Blocks compressed by all threads at once, handed on in order.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +21,7 @@ using BlockSource =
 /// Compresses points [0, count) in blocks of `block_points`, several at once, and hands the blocks
 /// over in order.
 ///
-/// Thread: `source` is called by several threads at once, `sink` by the caller's.
+/// Thread: `source` is called by several threads at once, `sink` by any, for one block at a time.
 /// Errors: what `sink` returns; kInterrupted.
 Result<void> encode_blocks(const Schema& schema, std::size_t count, std::size_t block_points,
                            const BlockSource& source,

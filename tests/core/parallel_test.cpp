@@ -22,6 +22,30 @@ TEST(ParallelFor, VisitsEveryItemOnceInRangesWithinTheGrain) {
     }
 }
 
+TEST(ParallelInOrder, WorksOnEveryPieceOnceAndGivesThemInOrder) {
+  for (const std::size_t count : {0, 1, 5, 1000})
+    for (const std::size_t slots : {1, 2, 7}) {
+      std::vector<std::size_t> slot(slots);
+      std::vector<std::size_t> given;
+      parallel_in_order(
+          slots, [&](std::size_t k) { return slot[k % slots] = k, k < count; },
+          [&](std::size_t k) { slot[k % slots] += 1000000; },
+          [&](std::size_t k) { return given.push_back(slot[k % slots]), true; });
+      ASSERT_EQ(given.size(), count);
+      for (std::size_t k = 0; k < count; ++k) ASSERT_EQ(given[k], k + 1000000);
+    }
+}
+
+TEST(ParallelInOrder, EndsAfterThePieceThatIsRefused) {
+  std::atomic<std::size_t> taken = 0;
+  std::size_t given = 0;
+  parallel_in_order(
+      4, [&](std::size_t) { return ++taken, true; }, [](std::size_t) {},
+      [&](std::size_t k) { return ++given, k < 10; });
+  EXPECT_EQ(given, 11u);
+  EXPECT_LE(taken, 11u + 4u);
+}
+
 TEST(ThreadLimit, HoldsWhileItLives) {
   const int before = thread_count();
   {
