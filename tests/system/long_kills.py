@@ -13,8 +13,9 @@ import time
 import harness
 
 THREADS = [1, 2]
+ESTIMATE = 0.8  # seconds a kill takes, by those of an undisturbed run with two threads
 LIMITS = ["128M", "192M", "1G"]
-STAGES = ["start", "ingest", "merge", "widths", "normals", "smooth", "export", "end"]
+STAGES = ["start", "sort", "merge", "spacing", "normals", "smooth", "write", "end"]
 
 
 def stage_of(work):
@@ -25,20 +26,26 @@ def stage_of(work):
         return "start"
     if complete:
         return "end" if (work.parent / "out.las").exists() else "start"
+    if (work.parent / "out.las.part").exists():
+        return "write"
     for name, stage in (("result.pss", "smooth"), ("normals.pss", "normals")):
         if (work / name / "manifest").exists():
-            return "export" if stage == "smooth" else "smooth"
+            return "write" if stage == "smooth" else "smooth"
         if (work / name / "manifest.log").exists():
             return stage
     if (work / "input.pss" / "manifest").exists():
-        return "widths"
-    return "merge" if (work / "input.pss").exists() else "ingest"
+        return "spacing"
+    return "merge" if (work / "input.pss").exists() else "sort"
 
 
 class Kills:
-    def __init__(self, folder, points):
+    """Every job is killed up to three times, then it runs to its end: half of the kills fall at any
+    time, half into any stage, so that short ones have their share; or into `stages`."""
+
+    def __init__(self, folder, points, stages):
         self.random = random.Random(2026)
         self.folder = folder
+        self.targets = stages
         self.scan = folder / "scan.las"
         self.out = folder / "out.las"
         self.work = folder / "out.las.work"
@@ -60,31 +67,38 @@ class Kills:
         return ["smooth", self.scan, "-o", out, "--operator", "apss", "--tile-points",
                 self.tile_points, "--progress", "none", *more]
 
-    def one(self):
-        """Starts the job and kills it after a while, unless it is done before."""
-        job = harness.start(*self.words(
+    def start(self):
+        return harness.start(*self.words(
             self.out, "--threads", self.random.choice(THREADS),
             "--memory-limit", self.random.choice(LIMITS)))
+
+    def one(self):
+        """Starts the job and kills it after a while, unless it is done before."""
+        job = self.start()
         self.wait(job)
         if not harness.ended(job):
             harness.signal_to(job, signal.SIGKILL)
-        run = harness.finish(job)
+        self.judge(harness.finish(job))
+
+    def judge(self, run):
+        """Whether the job came to its end."""
         if run.code == -signal.SIGKILL:
             self.stages[stage_of(self.work)] += 1
         elif run.code == harness.DONE:
             self.complete()
         else:
             sys.exit(f"after {sum(self.stages.values())} kills: exit {run.code}: {run.err}")
+        return run.code == harness.DONE
 
     def wait(self, job):
-        """Until a random time, or a random moment of a random stage that is still to come."""
-        if self.random.random() < 0.5:
-            time.sleep(self.seconds * self.random.choice([0.05, 0.2, 0.6]) * self.random.random())
+        """Until a random time of the whole job, or a random moment of a stage."""
+        if not self.targets and self.random.random() < 0.5:
+            time.sleep(self.seconds * self.random.random())
             return
-        target = self.random.choice(STAGES)
+        target = self.random.choice(self.targets or STAGES)
         while not harness.ended(job) and STAGES.index(stage_of(self.work)) < STAGES.index(target):
             time.sleep(0.0005)
-        time.sleep(self.random.random() * 0.02)
+        time.sleep(self.seconds / 8 * 10 ** -self.random.uniform(0, 3))
 
     def complete(self):
         found = harness.sha256(self.out)
@@ -95,31 +109,40 @@ class Kills:
         # The next job starts from nothing: what this one left belongs to a lost output.
 
     def finish(self):
-        run = harness.pss(*self.words(self.out))
-        if run.code != harness.DONE:
-            sys.exit(run.err)
-        self.complete()
+        """Lets the job end, with threads and a limit of chance."""
+        if not self.judge(harness.finish(self.start())):
+            sys.exit("killed by somebody else")
+
+    def run_all(self, kills):
+        """Jobs with a few kills each until there were enough."""
+        while (done := sum(self.stages.values())) < kills:
+            before = self.completions
+            for _ in range(self.random.randint(1, 3)):
+                if self.completions == before and sum(self.stages.values()) < kills:
+                    self.one()
+            if self.completions == before:
+                self.finish()
+            if sum(self.stages.values()) // 50 > done // 50:
+                print(f"{sum(self.stages.values())} kills, {self.completions} completions",
+                      flush=True)
+
+    def told(self):
+        return ", ".join(f"{self.stages[stage]} in {stage}" for stage in STAGES)
 
 
-def main(kills, points):
+def main(kills, points, stages):
     folder = pathlib.Path(tempfile.mkdtemp(prefix="pss-kills-"))
     try:
-        job = Kills(folder, points)
-        print(f"{points} points, {job.seconds:.1f} s undisturbed, SHA-256 {job.expected[:16]}",
-              flush=True)
+        job = Kills(folder, points, stages)
+        print(f"{points} points, {job.seconds:.1f} s undisturbed, SHA-256 {job.expected[:16]}; "
+              f"about {kills * job.seconds * ESTIMATE / 60:.0f} minutes", flush=True)
         began = time.monotonic()
-        while sum(job.stages.values()) < kills:
-            job.one()
-            done = sum(job.stages.values())
-            if done and done % 50 == 0 and time.monotonic() - began > 20:
-                print(f"{done} kills, {job.completions} completions", flush=True)
-        job.finish()
-        where = ", ".join(f"{n} in {stage}" for stage, n in job.stages.most_common())
-        print(f"{kills} kills ({where}), {job.completions} completions, "
+        job.run_all(kills)
+        print(f"{kills} kills ({job.told()}), {job.completions} results, "
               f"all with the same SHA-256, in {time.monotonic() - began:.0f} s")
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]))
+    main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3:])
