@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -24,12 +25,30 @@ std::errc parse_whole(std::string_view token, T& value) {
   return end == token.data() + token.size() ? fault : std::errc::invalid_argument;
 }
 
+/// Of an exponent that no int64 holds, its sign is enough.
+std::int64_t parse_exponent(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  std::int64_t exponent = 0;
+  if (parse_whole(without_plus(text), exponent) == std::errc{}) return exponent;
+  return std::numeric_limits<std::int64_t>::max() / 2 * (negative ? -1 : 1);
+}
+
+/// Whether a decimal number is below 1, by its exponent and the place of its first digit.
+bool is_below_one(std::string_view token) {
+  const std::size_t end = std::min(token.find_first_of("eE"), token.size());
+  const std::string_view digits = token.substr(0, end);
+  const auto first = static_cast<std::int64_t>(digits.find_first_of("123456789"));
+  const auto point = static_cast<std::int64_t>(std::min(digits.find('.'), digits.size()));
+  const std::int64_t before = point > first ? point - first : point - first + 1;
+  return before + (end < token.size() ? parse_exponent(token.substr(end + 1)) : 0) <= 0;
+}
+
 /// from_chars says "out of range" both of 1e999 and of 1e-999; the second one is 0 (or denormal).
 template <class T>
 NumberFault parse_tiny(std::string_view token, T& value) {
-  long double wide = 0;
-  if (parse_whole(token, wide) != std::errc{} || std::abs(wide) > 1)
-    return NumberFault::kOutOfRange;
+  if (!is_below_one(token)) return NumberFault::kOutOfRange;
+  long double wide = token.starts_with('-') ? -0.0L : 0.0L;  // stays so where it is too small, too
+  static_cast<void>(parse_whole(token, wide));
   value = static_cast<T>(wide);
   return NumberFault::kNone;
 }

@@ -76,6 +76,15 @@ TEST(Numbers, TellsTooLargeFromTooSmall) {
   EXPECT_EQ(parse_number("1e400", value), NumberFault::kOutOfRange);
   EXPECT_EQ(parse_number("-1e-400", value), NumberFault::kNone);
   EXPECT_EQ(value, 0);
+  for (const std::string& tiny : {std::string("1e-99999999999999999999"), std::string("12e-9999"),
+                                  "0." + std::string(6000, '0') + "1"}) {
+    EXPECT_EQ(parse_number(tiny, value), NumberFault::kNone) << tiny;
+    EXPECT_EQ(value, 0);
+  }
+  EXPECT_EQ(parse_number("-1e-99999", value), NumberFault::kNone);
+  EXPECT_TRUE(std::signbit(value));
+  EXPECT_EQ(parse_number("0.1e99999999999999999999", value), NumberFault::kOutOfRange);
+  EXPECT_EQ(parse_number(std::string(6000, '9') + "e-9", value), NumberFault::kOutOfRange);
   EXPECT_EQ(parse_number("1e", value), NumberFault::kNoNumber);
   EXPECT_EQ(parse_number("", value), NumberFault::kNoNumber);
 }
