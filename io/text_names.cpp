@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <map>
+#include <set>
 
 #include "io/line_source.h"
 #include "io/text_layout.h"
@@ -52,12 +54,13 @@ std::vector<std::string> names_in(std::string_view header, char separator) {
 }
 
 void make_distinct(std::vector<std::string>& names) {
+  std::set<std::string> taken;
+  std::map<std::string, int> last;  // number of each name: the smaller ones stay taken
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (names[i].empty()) names[i] = fmt::format("c{}", i + 1);
     const std::string name = names[i];
-    const auto here = names.begin() + static_cast<std::ptrdiff_t>(i);
-    for (int n = 2; std::find(names.begin(), here, names[i]) != here; ++n)
-      names[i] = fmt::format("{}_{}", name, n);
+    for (int& n = last.try_emplace(name, 1).first->second; !taken.insert(names[i]).second;)
+      names[i] = fmt::format("{}_{}", name, ++n);
   }
 }
 
