@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kSpacing = 0.06;
 
-/// A noisy torus among points of no surface, whose neighbourhoods try every safeguard.
+/// A noisy torus among points of no surface, whose neighbourhoods try every safeguard; a normal is
+/// missing here and there.
 Scan cluttered_torus() {
   const Torus torus{1, 0.4};
   Random random(21);
@@ -28,6 +29,7 @@ Scan cluttered_torus() {
                     random.uniform(-0.6, 0.6)};
     samples.push_back({at, normalized({random.uniform(-1, 1), random.uniform(-1, 1), 0.1})});
   }
+  for (std::size_t i = 5; i < samples.size(); i += 61) samples[i].normal = {0, 0, 0};
   Scan scan = sorted_scan(clean.lattice, samples);
   scan.spacing = kSpacing;
   return scan;
