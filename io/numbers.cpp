@@ -25,12 +25,12 @@ std::errc parse_whole(std::string_view token, T& value) {
   return end == token.data() + token.size() ? fault : std::errc::invalid_argument;
 }
 
-/// Of an exponent that no int64 holds, its sign is enough.
+/// Of an exponent that is larger than any number of digits, its sign is enough.
 std::int64_t parse_exponent(std::string_view text) {
-  const bool negative = text.starts_with('-');
-  std::int64_t exponent = 0;
-  if (parse_whole(without_plus(text), exponent) == std::errc{}) return exponent;
-  return std::numeric_limits<std::int64_t>::max() / 2 * (negative ? -1 : 1);
+  constexpr std::int64_t kFar = std::int64_t{1} << 62;
+  std::int64_t exponent = text.starts_with('-') ? -kFar : kFar;
+  static_cast<void>(parse_whole(without_plus(text), exponent));
+  return std::clamp(exponent, -kFar, kFar);
 }
 
 /// Whether a decimal number is below 1, by its exponent and the place of its first digit.
