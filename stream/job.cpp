@@ -8,6 +8,7 @@
 
 #include "stream/fingerprint.h"
 #include "stream/hash.h"
+#include "stream/shallow_json.h"
 #include "stream/store_writer.h"
 
 namespace pss {
@@ -141,8 +142,7 @@ Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir) {
   if (!exists(path)) return std::optional<JobRecord>();
   PSS_ASSIGN(const std::vector<std::byte> bytes, read_whole(path, kLargestRecord));
   try {
-    const char* text = reinterpret_cast<const char*>(bytes.data());
-    json j = json::parse(text, text + bytes.size());
+    json j = parse_shallow<json>({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const auto expected = j.at("checksum").get<std::string>();
     j.erase("checksum");
     if (checksum_of(j) != expected)

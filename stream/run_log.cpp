@@ -22,12 +22,17 @@ void put(ByteWriter& w, const RunInfo& run) {
   w.put(run.data_size);
 }
 
+/// More than any run has, and so few that sizes made of it do not overflow.
+constexpr std::uint64_t kMost = std::uint64_t{1} << 56;
+
 RunInfo get_run(ByteReader& r) {
   RunInfo run;
   run.id = r.get<std::uint64_t>();
   run.points = r.get<std::uint64_t>();
   run.blocks = r.get<std::uint64_t>();
   run.data_size = r.get<std::uint64_t>();
+  if (run.id > kMost || run.blocks > run.points || run.points > kMost || run.data_size > kMost)
+    r.fail();
   return run;
 }
 

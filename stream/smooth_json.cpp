@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "stream/shallow_json.h"
 #include "stream/smooth_method.h"
 #include "stream/widths_json.h"
 
@@ -91,6 +92,18 @@ ordered_json seconds_json(const SmoothReport& report) {
           {"total", report.total_seconds}};
 }
 
+/// Errors: throws json::exception where a value is of another type.
+void read_summary(const ordered_json& j, SmoothReport& report) {
+  if (!j.is_object()) return;
+  if (Result<IngestSummary> ingest =
+          ingest_summary_from_json(j.value("ingest", ordered_json()).dump()))
+    report.ingest = *ingest;
+  report.normals = normals_named(j.value("normals", ""));
+  report.widths = widths_from_json(j.value("widths", ordered_json::object()));
+  report.notes = j.value("notes", std::vector<std::string>());
+  report.store_bytes = j.value("store_bytes", std::uint64_t{0});
+}
+
 }  // namespace
 
 std::string result_parameters(const SmoothJob& job, const ChosenWidths& widths) {
@@ -111,15 +124,11 @@ std::string result_summary(const SmoothReport& report) {
 }
 
 void read_result_summary(const std::string& summary, SmoothReport& report) {
-  const ordered_json j = ordered_json::parse(summary, nullptr, false);
-  if (!j.is_object()) return;
-  if (Result<IngestSummary> ingest =
-          ingest_summary_from_json(j.value("ingest", ordered_json()).dump()))
-    report.ingest = *ingest;
-  report.normals = normals_named(j.value("normals", ""));
-  report.widths = widths_from_json(j.value("widths", ordered_json::object()));
-  report.notes = j.value("notes", std::vector<std::string>());
-  report.store_bytes = j.value("store_bytes", std::uint64_t{0});
+  try {
+    read_summary(parse_shallow<ordered_json>(summary), report);
+  } catch (const ordered_json::exception&) {
+    // Another version's: what it says otherwise stays unknown.
+  }
 }
 
 std::string to_json(const SmoothReport& report) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "stream/fingerprint.h"
+#include "stream/smooth_json.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/test_data.h"
 
@@ -94,6 +95,24 @@ TEST(WorkDirectory, NamesADamagedRecord) {
 
   ASSERT_FALSE(record);
   EXPECT_NE(record.error().message.find("job.json"), std::string::npos);
+}
+
+TEST(WorkDirectory, RefusesARecordNestedWithoutEnd) {
+  test::TemporaryDirectory folder;
+  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
+  const std::string open(1000000, '['), close(1000000, ']');
+  std::ofstream(folder / "w/job.json") << R"({"checksum":"","parameters":)" << open << close << "}";
+
+  EXPECT_FALSE(work.read_record());
+}
+
+TEST(ResultSummary, OfOtherTypesIsNotTaken) {
+  SmoothReport report;
+
+  read_result_summary(R"({"store_bytes":7,"notes":3,"widths":{"h":"wide"}})", report);
+  read_result_summary(R"({"store_bytes":7})", report);
+
+  EXPECT_EQ(report.store_bytes, 7u);
 }
 
 TEST(WorkDirectory, OfADamagedRecordIsStartedOverOnRequestOnly) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stream/run_log.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/test_data.h"
 
@@ -145,6 +146,17 @@ TEST(Log, FindsEveryFlippedBitOfAFinishedLog) {
     EXPECT_FALSE(read_log(folder / "log", Tail::kWhole, seen.visitor()).has_value()) << bit;
     test::flip_bit(folder / "log", bit);
   }
+}
+
+TEST(RunLog, RefusesARunThatNoFileCanHold) {
+  test::TemporaryDirectory folder;
+  const RunInfo impossible{.id = 0, .points = 1, .blocks = std::uint64_t{1} << 61, .data_size = 0};
+  expect_ok(expect_value(RunLog::open(folder / "runs", {})).add(impossible, {}, {}));
+
+  const auto again = RunLog::open(folder / "runs", {});
+
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().fault, Fault::kBadInput);
 }
 
 }  // namespace
