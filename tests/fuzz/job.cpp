@@ -1,0 +1,40 @@
+// The JSON that a job keeps: its record, and the summary of its result.
+
+#include "stream/job.h"
+
+#include "stream/smooth_json.h"
+#include "tests/fuzz/allocations.h"
+#include "tests/fuzz/target.h"
+
+namespace pss::test {
+
+std::vector<Bytes> seeds() {
+  std::vector<Bytes> all;
+  for (const std::string_view text :
+       {R"({"format":1,"command":"smooth","output":"/b.las","parameters":{"h":1,"radius":null},)"
+        R"("inputs":[{"path":"/a.las","size":1,"modified_ns":2,"content_hash":3}],)"
+        R"("complete":true,"result":{"path":"/b.las","size":1,"modified_ns":2,"content_hash":3},)"
+        R"("checksum":"0000000000000000"})",
+        R"({"ingest":{"points_read":5,"points_stored":5,"largest_move":0.5},"normals":"computed",)"
+        R"("widths":{"radius":1.5,"h":0.5,"knn":3,"radius_per_distance":1,"cap":0,"typical":1,)"
+        R"("neighbours":9,"why":"a","spacing":{"spacing":1,"d16_median":2,"d16_p10":1,)"
+        R"("d16_p90":3,"sample":9},"noise":{"sigma":0.1,"other_sheet":2,"sample":4,"first":0,)"
+        R"("trials":[{"h":1,"known":true,"usable":1,"residual":2}],"h_per_spacing":2,)"
+        R"("limit":"noise","expected":1}},"notes":["a"],"store_bytes":7})"})
+    all.push_back(bytes_of(text));
+  return all;
+}
+
+}  // namespace pss::test
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace pss;
+  const test::OneFile file("/job.json", std::as_bytes(std::span(data, size)));
+  const test::AllocationBound bound((1u << 20) + 512 * size);
+  const auto record = read_job_record("");
+  if (record && *record)
+    test::require(check_same_job(**record, **record, "").has_value(), "not the same job as itself");
+  SmoothReport report;
+  read_result_summary({reinterpret_cast<const char*>(data), size}, report);
+  return 0;
+}

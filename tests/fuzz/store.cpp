@@ -1,0 +1,94 @@
+// A store: its manifest, record by record, and the tiles of its first segment.
+
+#include "stream/store.h"
+
+#include "stream/export.h"
+#include "stream/store_writer.h"
+#include "stream/verify.h"
+#include "tests/fuzz/allocations.h"
+#include "tests/fuzz/small_cloud.h"
+#include "tests/fuzz/target.h"
+#include "tests/io/las_bytes.h"
+
+namespace pss::test {
+namespace {
+
+const std::string kStore = "/a.pss";
+constexpr std::uint64_t kLimit = std::uint64_t{128} << 20;
+
+StoreHeader header(Format format, const Bytes& carried) {
+  StoreHeader header;
+  header.schema = small_schema();
+  header.lattice = {{0.01, 0.01, 0.01}, {1, 2, 3}};
+  header.grid = header.lattice;
+  header.carry = {.format = format, .head = carried, .tail = {}};
+  header.source_format = format;
+  header.crs = "EPSG:2994";
+  header.inputs = {{"/a.las", 7, 8, 9}};
+  header.parameters = "{}";
+  return header;
+}
+
+/// Two tiles of two blocks each.
+Result<void> write_store(const StoreHeader& header) {
+  PSS_ASSIGN(StoreWriter writer, StoreWriter::create(kStore, header));
+  for (const std::int64_t first : {0, 64}) {
+    for (const std::int64_t block : {0, 20})
+      PSS_TRY(writer.append(encode_block(header.schema, small_positions(20, first + block),
+                                         small_rows(20, header.schema))));
+    PSS_TRY(writer.commit_tile(cell_of(encode_key({first, 0, 0}), kLatticeBits - 6)));
+  }
+  return writer.finish("{}");
+}
+
+Bytes written(Format format, std::string_view carried) {
+  const SimulatedDisk disk;
+  require(write_store(header(format, bytes_of(carried))).has_value(), "cannot write a store");
+  const Bytes parts[] = {{std::byte{static_cast<unsigned char>(format)}},
+                         disk.content(manifest_path(kStore)),
+                         disk.content(segment_path(kStore, 0))};
+  return packed(parts);
+}
+
+/// Everything that reads a store: opening, verifying, exporting, going on with it.
+void use(Format format, bool finished) {
+  MemoryBudget budget(kLimit, 1);
+  Monitor monitor;
+  const auto checked = verify_store(kStore, budget, monitor);
+  const auto store = Store::open(kStore);
+  require(checked.has_value() <= store.has_value(), "verified what cannot be opened");
+  if (!store) return require(store.error().fault == Fault::kBadInput, store.error().message);
+  constexpr const char* kOutputs[] = {"/out.las", "/out.ply", "/out.csv"};
+  const auto exported =
+      export_store(*store, kOutputs[static_cast<std::size_t>(format)], {}, budget, monitor);
+  require(!exported || exported->points == store->points(), "exported another number of points");
+  if (!finished) static_cast<void>(StoreWriter::resume(kStore, store->header()).has_value());
+}
+
+}  // namespace
+
+std::vector<Bytes> seeds() {
+  return {written(Format::kLas, las({.format = 1})),
+          written(Format::kPly,
+                  "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                  "property float y\nproperty float z\nend_header\n"),
+          written(Format::kText,
+                  "pss text 1\nextension csv\nseparator ,\ncounted 0\naxes 0 1 2\n"
+                  "header \ncolumn x\ncolumn y\ncolumn z\ncolumn GpsTime\n")};
+}
+
+}  // namespace pss::test
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace pss;
+  const auto parts = test::unpacked(std::as_bytes(std::span(data, size)), 3);
+  const unsigned choice = parts[0].empty() ? 0 : static_cast<unsigned>(parts[0][0]);
+  const bool finished = choice < 128;
+  test::SimulatedDisk disk;
+  test::require(make_directories(test::kStore).has_value(), "no folder");
+  disk.put(finished ? manifest_path(test::kStore) : open_manifest_path(test::kStore), parts[1]);
+  disk.put(segment_path(test::kStore, 0), parts[2]);
+  const test::AllocationBound bound(test::kLimit + 256 * size);
+  test::use(static_cast<Format>(choice % 3), finished);
+  return 0;
+}
