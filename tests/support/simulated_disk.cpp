@@ -110,6 +110,7 @@ void SimulatedDisk::State::restart(Crash crash, std::uint64_t seed) {
   crashed = false;
   crash_at = std::numeric_limits<std::uint64_t>::max();
   fault = {};
+  lie_in = 0;
   calls = changed = 0;
   clock += 1'000'000'000;
   count_bytes();
@@ -128,6 +129,10 @@ SimulatedDisk::~SimulatedDisk() {
 void SimulatedDisk::set_fault(FaultAt fault) { state_->fault = std::move(fault); }
 
 void SimulatedDisk::crash_before(std::uint64_t n) { state_->crash_at = state_->changed + n; }
+
+void SimulatedDisk::lie_at(std::uint64_t n) { state_->lie_in = n; }
+
+const std::string& SimulatedDisk::lied_about() const { return state_->lied_about; }
 
 bool SimulatedDisk::crashed() const { return state_->crashed; }
 

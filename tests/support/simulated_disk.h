@@ -63,6 +63,10 @@ class SimulatedDisk {
   /// fails and nothing happens, until restart().
   void crash_before(std::uint64_t n);
   bool crashed() const;
+  /// The n-th sync (from 1) of a file or a directory from now on says yes and does nothing.
+  void lie_at(std::uint64_t n);
+  /// What that sync was of: "sync /a", "sync directory /"; "" before it.
+  const std::string& lied_about() const;
   /// What is left after a crash, or after the process was killed; `seed` chooses for kTear.
   void restart(Crash crash, std::uint64_t seed);
 

@@ -71,6 +71,8 @@ struct SimulatedDisk::State {
   std::uint64_t calls = 0, changed = 0;
   std::uint64_t crash_at = std::numeric_limits<std::uint64_t>::max();
   bool crashed = false;
+  std::uint64_t lie_in = 0;  ///< syncs until the one that does nothing; 0: none
+  std::string lied_about;
   std::uint64_t capacity = std::uint64_t{1} << 40;
   std::uint64_t used = 0, largest = 0;
 
@@ -99,6 +101,13 @@ struct SimulatedDisk::State {
     if (changes(call) && ++changed == crash_at) crashed = true;
     if (crashed) return EIO;
     return fault ? fault(call, path) : 0;
+  }
+
+  /// Whether this sync is the one that lies.
+  bool lies(Call call, const std::string& path) {
+    if (lie_in == 0 || --lie_in > 0) return false;
+    lied_about = std::string(name_of(call)) + " " + path;
+    return true;
   }
 
   /// A change that programs see at once and a crash may undo.
