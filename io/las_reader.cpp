@@ -27,23 +27,36 @@ std::optional<WorldBox> bounds_of(const LasHeader& las) {
 class LasReader : public Reader {
  public:
   LasReader(File file, const LasHeader& las, CloudHeader header)
-      : file_(std::move(file)), las_(las), header_(std::move(header)) {
-    chunk_.reserve(std::max<std::size_t>(kChunkBytes, las.record_length));
-  }
+      : file_(std::move(file)), las_(las), header_(std::move(header)) {}
 
   const CloudHeader& header() const override { return header_; }
 
   Result<void> read(std::size_t max, PointBatch& batch) override {
     batch.clear();
     batch.first_record = next_;
-    const std::uint64_t left = las_.points() - next_;
-    const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(max, left));
+    const std::size_t count = at_most(max);
     batch.index.resize(count);
     batch.rows.resize(count * row_size());
     const std::size_t step = std::max<std::size_t>(1, kChunkBytes / las_.record_length);
-    for (std::size_t done = 0; done < count; done += step)
-      PSS_TRY(read_chunk(done, std::min(step, count - done), batch));
+    for (std::size_t done = 0; done < count; done += step) {
+      const std::size_t now = std::min(step, count - done);
+      PSS_TRY(load(now, chunk_));
+      decode(chunk_, std::span(batch.index).subspan(done, now),
+             std::span(batch.rows).subspan(done * row_size(), now * row_size()));
+    }
     return {};
+  }
+
+  Result<void> fetch(std::size_t max, RawPoints& out) override {
+    out.points.first_record = next_;
+    out.count = at_most(max);
+    return load(out.count, out.bytes);
+  }
+
+  void decode(RawPoints& raw) const override {
+    raw.points.index.resize(raw.count);
+    raw.points.rows.resize(raw.count * row_size());
+    decode(raw.bytes, raw.points.index, raw.points.rows);
   }
 
   Result<void> seek(std::uint64_t record) override {
@@ -57,18 +70,25 @@ class LasReader : public Reader {
  private:
   std::size_t row_size() const { return las_.record_length - kLasPositionSize; }
 
-  Result<void> read_chunk(std::size_t at, std::size_t count, PointBatch& batch) {
-    chunk_.resize(count * las_.record_length);
-    PSS_TRY(file_.read(las_.point_offset + next_ * las_.record_length, chunk_));
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto record = std::span(chunk_).subspan(i * las_.record_length, las_.record_length);
-      for (std::size_t a = 0; a < 3; ++a)
-        batch.index[at + i][a] = load_le<std::int32_t>(record, 4 * a);
-      std::memcpy(batch.rows.data() + (at + i) * row_size(), record.data() + kLasPositionSize,
-                  row_size());
-    }
+  std::size_t at_most(std::size_t max) const {
+    return static_cast<std::size_t>(std::min<std::uint64_t>(max, las_.points() - next_));
+  }
+
+  Result<void> load(std::size_t count, std::vector<std::byte>& records) {
+    records.resize(count * las_.record_length);
+    PSS_TRY(file_.read(las_.point_offset + next_ * las_.record_length, records));
     next_ += count;
     return {};
+  }
+
+  void decode(std::span<const std::byte> records, std::span<Index3> index,
+              std::span<std::byte> rows) const {
+    const std::size_t size = row_size();
+    for (std::size_t i = 0; i < index.size(); ++i) {
+      const auto record = records.subspan(i * las_.record_length, las_.record_length);
+      for (std::size_t a = 0; a < 3; ++a) index[i][a] = load_le<std::int32_t>(record, 4 * a);
+      std::memcpy(rows.data() + i * size, record.data() + kLasPositionSize, size);
+    }
   }
 
   File file_;

@@ -57,4 +57,11 @@ struct PointBatch {
   }
 };
 
+/// Points on their way from a file: fetched, and perhaps not decoded yet.
+struct RawPoints {
+  PointBatch points;
+  std::size_t count = 0;
+  std::vector<std::byte> bytes;  ///< records as they lie in the file
+};
+
 }  // namespace pss

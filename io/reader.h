@@ -21,6 +21,17 @@ class Reader {
   /// Errors: kBadInput where the file is damaged or ends before the points it promised.
   virtual Result<void> read(std::size_t max, PointBatch& batch) = 0;
 
+  /// read() in two steps, for those who decode on many threads: `out.count` is how many there are.
+  ///
+  /// What a format can only read in order is decoded here already. Errors: those of read().
+  virtual Result<void> fetch(std::size_t max, RawPoints& out) {
+    PSS_TRY(read(max, out.points));
+    out.count = out.points.size();
+    return {};
+  }
+  /// Makes the points that were fetched. Thread: any number at once, also beside fetch().
+  virtual void decode(RawPoints& /*raw*/) const {}
+
   /// The next read starts at this record (0 is the first).
   virtual Result<void> seek(std::uint64_t record) = 0;
 };

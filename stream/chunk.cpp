@@ -24,11 +24,23 @@ Chunk::Chunk(std::size_t capacity, std::size_t row_size)
       entries_(capacity),
       scratch_(capacity) {}
 
-void Chunk::add(std::span<const Key> keys, std::span<const std::byte> rows) {
-  assert(keys.size() <= room() && rows.size() == keys.size() * row_size_);
-  std::ranges::copy(keys, keys_.data() + size_);
-  std::ranges::copy(rows, rows_.data() + size_ * row_size_);
-  size_ += keys.size();
+std::span<Key> Chunk::key_places(std::size_t begin, std::size_t count) const {
+  assert(begin + count <= capacity());
+  return {keys_.data() + begin, count};
+}
+
+std::span<std::byte> Chunk::row_places(std::size_t begin, std::size_t count) const {
+  assert(begin + count <= capacity());
+  return {rows_.data() + begin * row_size_, count * row_size_};
+}
+
+void Chunk::take_in(std::size_t begin, std::size_t count) {
+  assert(begin >= size_);
+  if (begin > size_) {
+    std::ranges::copy(key_places(begin, count), keys_.data() + size_);
+    std::ranges::copy(row_places(begin, count), rows_.data() + size_ * row_size_);
+  }
+  size_ += count;
 }
 
 Result<void> Chunk::sort(const Monitor& monitor) {
@@ -67,17 +79,15 @@ void Chunk::get(std::size_t begin, std::span<Index3> positions, std::span<std::b
   });
 }
 
-void Chunk::read(std::size_t& next, std::size_t max, KeyedRows& out) const {
+std::size_t Chunk::read(std::size_t& next, std::span<Key> keys, std::span<std::byte> rows) const {
   const std::size_t first = next;
-  const std::size_t n = std::min(max, size_ - first);
-  out.row_size = row_size_;
-  out.keys.resize(n);
-  out.rows.resize(n * row_size_);
+  const std::size_t n = std::min(keys.size(), size_ - first);
   parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
-    get(first + begin, std::span(out.keys).subspan(begin, end - begin),
-        std::span(out.rows).subspan(begin * row_size_, (end - begin) * row_size_));
+    get(first + begin, keys.subspan(begin, end - begin),
+        rows.subspan(begin * row_size_, (end - begin) * row_size_));
   });
   next += n;
+  return n;
 }
 
 std::uint64_t Chunk::bytes_per_point(std::size_t row_size) {

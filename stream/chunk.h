@@ -19,10 +19,18 @@ class Chunk {
   Chunk(std::size_t capacity, std::size_t row_size);
 
   std::size_t size() const { return size_; }
-  std::size_t room() const { return keys_.size() - size_; }
+  std::size_t capacity() const { return keys_.size(); }
+  std::size_t room() const { return capacity() - size_; }
 
-  /// Requires: room for all of them.
-  void add(std::span<const Key> keys, std::span<const std::byte> rows);
+  // Points are added in two steps, so that all threads make them where they will lie: each writes
+  // to places of its own, size() or beyond, and then places are taken in, one batch at a time.
+  /// The places of points [begin, begin + count). Thread: any.
+  std::span<Key> key_places(std::size_t begin, std::size_t count) const;
+  std::span<std::byte> row_places(std::size_t begin, std::size_t count) const;
+  /// The points that were written to places [begin, begin + count) follow the last one now.
+  ///
+  /// They move where that one lies further ahead; places behind them stay as they are.
+  void take_in(std::size_t begin, std::size_t count);
   /// Errors: kInterrupted.
   Result<void> sort(const Monitor& monitor);
   void clear() { size_ = 0; }
@@ -35,8 +43,8 @@ class Chunk {
   /// Copies the points [begin, begin + keys.size()) out.
   void get(std::size_t begin, std::span<Key> keys, std::span<std::byte> rows) const;
   void get(std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) const;
-  /// Replaces `out` by the points from `next` on, at most `max`; `next` moves past them.
-  void read(std::size_t& next, std::size_t max, KeyedRows& out) const;
+  /// Copies the points from `next` on, as many as there are and have room; `next` moves past them.
+  std::size_t read(std::size_t& next, std::span<Key> keys, std::span<std::byte> rows) const;
 
   std::size_t row_size() const { return row_size_; }
 
@@ -60,9 +68,8 @@ class ChunkStream : public SortedStream {
  public:
   ChunkStream(const Chunk& chunk, std::size_t begin) : chunk_(chunk), next_(begin) {}
 
-  Result<void> read(std::size_t max, KeyedRows& out) override {
-    chunk_.read(next_, max, out);
-    return {};
+  Result<std::size_t> read(std::span<Key> keys, std::span<std::byte> rows) override {
+    return chunk_.read(next_, keys, rows);
   }
 
  private:

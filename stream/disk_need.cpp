@@ -20,6 +20,7 @@ constexpr std::uint64_t kSamplePoints = 1 << 18;
 /// come from anywhere in the inputs, as where scans overlap.
 constexpr std::uint64_t kLongWindows = 16;
 constexpr std::uint64_t kShortWindows = 4096;
+constexpr std::size_t kBatchPoints = 1024;
 /// A sample is a sample.
 constexpr double kMargin = 1.05;
 
@@ -38,17 +39,15 @@ Cursor cursor_at(const IngestPlan& plan, std::uint64_t record) {
 
 /// Fills `chunk` from windows of consecutive records, evenly spread over all inputs.
 Result<void> read_windows(const IngestPlan& plan, bool source_column, std::uint64_t most,
-                          Chunk& chunk) {
+                          Chunk& chunk, const Monitor& monitor) {
   InputStream in(plan, source_column, {}, {});
-  KeyedRows batch;
   const std::uint64_t windows = std::min<std::uint64_t>(most, chunk.room());
   const std::uint64_t window = windows > 0 ? chunk.room() / windows : 0;
   for (std::uint64_t w = 0; w < windows; ++w) {
     PSS_TRY(in.seek(cursor_at(plan, plan.points * w / windows)));
-    for (std::uint64_t left = window; left > 0 && !in.ended(); left -= batch.size()) {
-      PSS_TRY(in.read(std::min<std::uint64_t>(left, 1024), batch));
-      chunk.add(batch.keys, batch.rows);
-    }
+    const std::size_t full = std::min(chunk.size() + window, chunk.capacity());
+    while (chunk.size() < full && !in.ended())
+      PSS_TRY(in.read(full - chunk.size(), kBatchPoints, chunk, monitor));
   }
   return {};
 }
@@ -106,7 +105,7 @@ Result<double> sample_bytes(const IngestPlan& plan, bool source_column, std::uin
   std::vector<double> columns;
   for (const std::uint64_t windows : {kLongWindows, kShortWindows}) {
     chunk.clear();
-    PSS_TRY(read_windows(plan, source_column, windows, chunk));
+    PSS_TRY(read_windows(plan, source_column, windows, chunk, monitor));
     if (chunk.size() == 0) return 0.0;
     PSS_TRY(chunk.sort(monitor));
     PSS_ASSIGN(const std::vector<double> found, column_bytes(schema, chunk, monitor));

@@ -23,6 +23,8 @@ namespace {
 
 /// Merged into a longer run at once.
 constexpr std::size_t kMergeBlocks = 16;
+/// Read at once: the user sees how far it is, and threads seldom wait for the last batches.
+constexpr std::size_t kReadAtOnce = 1 << 21;
 
 std::string runs_folder(const std::string& work_dir) { return work_dir + "/runs"; }
 
@@ -130,12 +132,9 @@ class Ingest {
   }
 
   Result<void> fill(InputStream& in, Chunk& chunk) {
-    KeyedRows batch;
     while (!in.ended() && chunk.room() >= memory_.batch_points) {
-      PSS_TRY(check_stopping("reading points"));
       const std::uint64_t before = in.summary().points_read;
-      PSS_TRY(in.read(memory_.batch_points, batch));
-      chunk.add(batch.keys, batch.rows);
+      PSS_TRY(in.read(std::min(chunk.room(), kReadAtOnce), memory_.batch_points, chunk, monitor_));
       monitor_.advance(in.summary().points_read - before);
     }
     return {};
@@ -243,22 +242,23 @@ class Ingest {
     PSS_ASSIGN(MergeStream stream, open_merge(runs, std::nullopt));
     PSS_ASSIGN(RunWriter out,
                RunWriter::create(log_->folder(), log_->state().next_id, options_.sync.early));
-    KeyedRows batch;
-    do {
+    KeyedRows batch(kMergeBlocks * kRunBlockPoints, schema().row_size());
+    for (;;) {
       PSS_TRY(check_stopping("merging runs"));
-      PSS_TRY(stream.read(kMergeBlocks * kRunBlockPoints, batch));
-      PSS_TRY(write_blocks(batch, out));
-      monitor_.advance(batch.size());
-    } while (batch.size() > 0);
+      PSS_ASSIGN(const std::size_t read, stream.read(batch.keys, batch.rows));
+      if (read == 0) break;
+      PSS_TRY(write_blocks(batch, read, out));
+      monitor_.advance(read);
+    }
     PSS_ASSIGN(const RunInfo info, out.finish());
     PSS_TRY(out.sync());
     return log_->replace(count, info);
   }
 
-  Result<void> write_blocks(const KeyedRows& points, RunWriter& out) {
+  Result<void> write_blocks(const KeyedRows& points, std::size_t count, RunWriter& out) {
     std::size_t first = 0;
     return encode_blocks(
-        schema(), points.size(), kRunBlockPoints,
+        schema(), count, kRunBlockPoints,
         [&](std::size_t begin, std::span<Index3> positions, std::span<std::byte> rows) {
           const auto keys = std::span(points.keys).subspan(begin, positions.size());
           std::ranges::transform(keys, positions.begin(), decode_key);

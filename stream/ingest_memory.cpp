@@ -16,8 +16,9 @@ namespace {
 constexpr std::uint64_t kMiB = 1 << 20;
 /// A reader's own buffers.
 constexpr std::uint64_t kReaderBytes = 2 * kMiB;
-constexpr std::size_t kSmallestBatch = 256;
-constexpr std::size_t kLargestBatch = 1 << 16;
+constexpr std::size_t kSmallestBatch = 64;
+/// More would leave the caches between decoding and placing.
+constexpr std::size_t kLargestBatch = 1 << 13;
 constexpr std::size_t kSmallestChunk = 4096;
 /// A row's number in a chunk has 32 bits.
 constexpr std::size_t kLargestChunk = std::size_t{1} << 31;

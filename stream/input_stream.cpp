@@ -10,12 +10,12 @@
 namespace pss {
 namespace {
 
-constexpr std::size_t kGrain = 4096;
-
 template <class T>
 void store_at(std::byte* row, std::size_t position, T value) {
   std::memcpy(row + position, &value, sizeof value);
 }
+
+Error interrupted() { return {Fault::kInterrupted, "stopped while reading points"}; }
 
 std::optional<std::size_t> position_of(const Schema& schema, const char* name) {
   const auto field = schema.find(name);
@@ -36,27 +36,45 @@ Result<void> InputStream::open_input() {
   PSS_ASSIGN(reader_, open_reader(plan_.inputs[cursor_.input]));
   mapper_.emplace(reader_->header().schema, plan_.header.schema);
   placement_.emplace(reader_->header().grid, plan_.header.lattice);
+  batches_.assign(slots_in_order(), {});
   if (cursor_.record > 0) PSS_TRY(reader_->seek(cursor_.record));
   return {};
 }
 
-Result<void> InputStream::read(std::size_t max, KeyedRows& out) {
-  out.clear();
-  out.row_size = plan_.header.schema.row_size();
+Result<void> InputStream::read(std::size_t most, std::size_t batch_points, Chunk& chunk,
+                               const Monitor& monitor) {
   if (ended()) return {};
   if (!reader_) PSS_TRY(open_input());
-  PSS_TRY(reader_->read(max, batch_));
-  if (batch_.size() == 0) {
-    reader_.reset();
-    cursor_ = {cursor_.input + 1, 0};
-    return {};
-  }
-  PSS_TRY(place(out));
-  map_rows(out);
-  write_sources(out);
-  drop_not_finite(out);
-  summary_.points_read += batch_.size();
-  cursor_.record = batch_.first_record + batch_.size();
+  const auto batch = [&](std::size_t k) -> Batch& { return batches_[k % batches_.size()]; };
+  const std::size_t first = chunk.size();
+  std::size_t fetched = 0;
+  bool at_end = false;
+  Result<void> fetch, result;
+  const auto take = [&](std::size_t k) {
+    if (fetched == most) return false;
+    fetch = monitor.stopping()
+                ? interrupted()
+                : reader_->fetch(std::min(batch_points, most - fetched), batch(k).raw);
+    if (!fetch) return false;
+    at_end = batch(k).raw.count == 0;
+    batch(k).at = first + fetched;
+    fetched += batch(k).raw.count;
+    return !at_end;
+  };
+  const auto give = [&](std::size_t k) {
+    result = batch(k).result;
+    if (!result) return false;
+    chunk.take_in(batch(k).at, batch(k).kept);
+    count(batch(k));
+    return true;
+  };
+  parallel_in_order(
+      batches_.size(), take, [&](std::size_t k) { prepare(batch(k), chunk); }, give);
+  PSS_TRY(result);  // of records before those that could not be fetched
+  PSS_TRY(fetch);
+  if (!at_end) return {};
+  reader_.reset();
+  cursor_ = {cursor_.input + 1, 0};
   return {};
 }
 
@@ -66,77 +84,69 @@ Result<void> InputStream::seek(const Cursor& to) {
   return reader_ ? reader_->seek(to.record) : Result<void>();
 }
 
-Result<void> InputStream::place(KeyedRows& out) {
-  const std::size_t n = batch_.size();
-  out.keys.resize(n);
-  placed_.resize(n);
-  moves_.resize(n);
-  parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Index3 index{};
-      placed_[i] = placement_->place(batch_, i, index, moves_[i]);
-      if (placed_[i] == Placed::kExact || placed_[i] == Placed::kMoved)
-        out.keys[i] = encode_key(index);
-    }
-  });
-  for (std::size_t i = 0; i < n; ++i) {
-    if (placed_[i] == Placed::kOutside) return outside(i);
-    summary_.moved_to_lattice += placed_[i] == Placed::kMoved ? 1 : 0;
-    summary_.largest_move = std::max(summary_.largest_move, moves_[i]);
+void InputStream::prepare(Batch& batch, const Chunk& chunk) const {
+  reader_->decode(batch.raw);
+  const PointBatch& points = batch.raw.points;
+  const auto rows = chunk.row_places(batch.at, batch.raw.count);
+  mapper_->map(points.rows, rows);
+  write_sources(points, rows);
+  batch.result = place(batch, chunk.key_places(batch.at, batch.raw.count), rows);
+}
+
+void InputStream::write_sources(const PointBatch& points, std::span<std::byte> rows) const {
+  if (!source_file_ || !source_record_) return;
+  const std::size_t row_size = plan_.header.schema.row_size();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    std::byte* row = rows.data() + i * row_size;
+    store_at(row, *source_file_, static_cast<std::uint32_t>(cursor_.input));
+    store_at(row, *source_record_, points.first_record + i);
+  }
+}
+
+/// Makes the keys; points that are not finite make room for those behind them.
+Result<void> InputStream::place(Batch& batch, std::span<Key> keys,
+                                std::span<std::byte> rows) const {
+  const std::size_t row_size = plan_.header.schema.row_size();
+  batch.kept = batch.moved = 0;
+  batch.largest_move = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    Index3 index{};
+    double move = 0;
+    const Placed placed = placement_->place(batch.raw.points, i, index, move);
+    if (placed == Placed::kOutside) return outside(batch.raw.points, i);
+    if (placed == Placed::kNotFinite) continue;
+    batch.moved += placed == Placed::kMoved ? 1 : 0;
+    batch.largest_move = std::max(batch.largest_move, move);
+    if (batch.kept < i)
+      copy_row(rows.data() + batch.kept * row_size, rows.data() + i * row_size, row_size);
+    keys[batch.kept++] = encode_key(index);
   }
   return {};
 }
 
-void InputStream::map_rows(KeyedRows& out) {
-  const std::size_t from = reader_->header().schema.row_size();
-  const std::size_t to = out.row_size;
-  out.rows.resize(batch_.size() * to);
-  parallel_for(batch_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    mapper_->map(std::span(batch_.rows).subspan(begin * from, (end - begin) * from),
-                 std::span(out.rows).subspan(begin * to, (end - begin) * to));
-  });
+void InputStream::count(const Batch& batch) {
+  summary_.points_read += batch.raw.count;
+  summary_.dropped_not_finite += batch.raw.count - batch.kept;
+  summary_.moved_to_lattice += batch.moved;
+  summary_.largest_move = std::max(summary_.largest_move, batch.largest_move);
+  cursor_.record = batch.raw.points.first_record + batch.raw.count;
 }
 
-void InputStream::write_sources(KeyedRows& out) const {
-  if (!source_file_ || !source_record_) return;
-  for (std::size_t i = 0; i < batch_.size(); ++i) {
-    std::byte* row = out.rows.data() + i * out.row_size;
-    store_at(row, *source_file_, static_cast<std::uint32_t>(cursor_.input));
-    store_at(row, *source_record_, batch_.first_record + i);
-  }
-}
-
-void InputStream::drop_not_finite(KeyedRows& out) {
-  const auto first = std::ranges::find(placed_, Placed::kNotFinite);
-  if (first == placed_.end()) return;
-  std::size_t kept = static_cast<std::size_t>(first - placed_.begin());
-  for (std::size_t i = kept; i < placed_.size(); ++i) {
-    if (placed_[i] == Placed::kNotFinite) continue;
-    out.keys[kept] = out.keys[i];
-    if (out.row_size > 0)
-      std::memmove(out.rows.data() + kept * out.row_size, out.row(i), out.row_size);
-    ++kept;
-  }
-  summary_.dropped_not_finite += placed_.size() - kept;
-  out.keys.resize(kept);
-  out.rows.resize(kept * out.row_size);
-}
-
-Error InputStream::outside(std::size_t i) const {
+Error InputStream::outside(const PointBatch& points, std::size_t i) const {
   const Lattice& lattice = plan_.header.lattice;
   const World3 world =
-      batch_.index.empty() ? batch_.world[i] : to_world(*reader_->header().grid, batch_.index[i]);
+      points.index.empty() ? points.world[i] : to_world(*reader_->header().grid, points.index[i]);
   return {Fault::kBadInput,
           fmt::format("{}: record {}: the position ({:.17g}, {:.17g}, {:.17g}) lies outside the "
                       "bounds that the file promised: {} bits of steps of {} from {} do not reach "
                       "it; give a coarser --scale",
-                      plan_.inputs[cursor_.input], batch_.first_record + i, world[0], world[1],
+                      plan_.inputs[cursor_.input], points.first_record + i, world[0], world[1],
                       world[2], kLatticeBits, lattice.scale[0], lattice.origin[0])};
 }
 
 std::uint64_t input_bytes_per_point(const Schema& schema) {
-  // Position and row as read, key and row as mapped, and what became of them.
-  return sizeof(Index3) + schema.row_size() + sizeof(Key) + schema.row_size() + 16;
+  // Batches in all slots, each as it lies in the file and decoded.
+  return slots_in_order() * 2 * (sizeof(Index3) + schema.row_size());
 }
 
 }  // namespace pss

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/reader.h"
+#include "stream/chunk.h"
 #include "stream/ingest.h"
-#include "stream/keyed_rows.h"
 #include "stream/placement.h"
 #include "stream/run_log.h"
 
@@ -21,16 +23,22 @@ inline constexpr const char* kSourceFile = "SourceFile";
 inline constexpr const char* kSourceRecord = "SourceRecord";
 
 /// Reads points in the inputs' order; counts what it drops and moves.
+///
+/// Records are fetched by one thread at a time, so that the disk is read front to back, and decoded
+/// and placed by all, each batch of them apart.
 class InputStream {
  public:
   /// Begins at `from`, going on with the counts of all before it.
   InputStream(const IngestPlan& plan, bool source_column, const Cursor& from,
               const IngestSummary& summary);
 
-  /// Replaces `out` by about `max` following points, or fewer; see ended().
+  /// Adds the points of the next `most` records to `chunk`, or of fewer: up to an input's end.
   ///
-  /// Errors: kBadInput with file and record where a position lies outside the lattice.
-  Result<void> read(std::size_t max, KeyedRows& out);
+  /// Requires: room for so many, and batches of at least one.
+  /// Errors:   those of readers; kBadInput with file and record where a position lies outside the
+  ///           lattice; kInterrupted.
+  Result<void> read(std::size_t most, std::size_t batch_points, Chunk& chunk,
+                    const Monitor& monitor);
 
   /// Goes on from there; the counts stay what they are.
   Result<void> seek(const Cursor& to);
@@ -40,12 +48,21 @@ class InputStream {
   const IngestSummary& summary() const { return summary_; }
 
  private:
+  /// Points of an input between the file and the chunk.
+  struct Batch {
+    RawPoints raw;
+    std::size_t at = 0;    ///< the first one's place in the chunk
+    std::size_t kept = 0;  ///< the others are not finite
+    std::uint64_t moved = 0;
+    double largest_move = 0;
+    Result<void> result;
+  };
   Result<void> open_input();
-  Result<void> place(KeyedRows& out);
-  void map_rows(KeyedRows& out);
-  void write_sources(KeyedRows& out) const;
-  void drop_not_finite(KeyedRows& out);
-  Error outside(std::size_t i) const;
+  void prepare(Batch& batch, const Chunk& chunk) const;
+  void write_sources(const PointBatch& points, std::span<std::byte> rows) const;
+  Result<void> place(Batch& batch, std::span<Key> keys, std::span<std::byte> rows) const;
+  void count(const Batch& batch);
+  Error outside(const PointBatch& points, std::size_t i) const;
 
   const IngestPlan& plan_;
   Cursor cursor_;
@@ -54,12 +71,10 @@ class InputStream {
   std::unique_ptr<Reader> reader_;
   std::optional<RowMapper> mapper_;
   std::optional<Placement> placement_;
-  PointBatch batch_;
-  std::vector<Placed> placed_;
-  std::vector<double> moves_;
+  std::vector<Batch> batches_;
 };
 
-/// What an InputStream holds for each point of a batch.
+/// What an InputStream holds for each point of `batch_points`.
 std::uint64_t input_bytes_per_point(const Schema& schema);
 
 }  // namespace pss

@@ -12,16 +12,14 @@ namespace pss {
 
 /// Points as parallel arrays: the row of point i begins at rows[i * row_size].
 struct KeyedRows {
-  std::size_t row_size = 0;
+  KeyedRows(std::size_t count, std::size_t row_bytes)
+      : row_size(row_bytes), keys(count), rows(count * row_bytes) {}
+
+  std::size_t row_size;
   std::vector<Key> keys;
   std::vector<std::byte> rows;
 
-  std::size_t size() const { return keys.size(); }
   const std::byte* row(std::size_t i) const { return rows.data() + i * row_size; }
-  void clear() {
-    keys.clear();
-    rows.clear();
-  }
 };
 
 /// The order of points: key, then the bytes of the row. Equal points are interchangeable.

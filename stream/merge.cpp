@@ -1,6 +1,7 @@
 #include "stream/merge.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/parallel.h"
@@ -11,7 +12,7 @@ namespace {
 /// Longer rounds gain nothing: they leave the caches.
 constexpr std::size_t kRoundPoints = 1 << 18;
 
-std::size_t decoded_at_once() { return 2 * static_cast<std::size_t>(thread_count()); }
+constexpr std::size_t kCopyGrain = 4096;
 
 }  // namespace
 
@@ -20,6 +21,7 @@ MergeStream::MergeStream(std::size_t runs, std::size_t run_points, std::size_t r
     : run_points_(run_points),
       row_size_(row_size),
       monitor_(&monitor),
+      arrivals_(slots_in_order()),
       round_(runs * run_points, row_size) {
   sources_.reserve(runs);
 }
@@ -30,10 +32,8 @@ Result<MergeStream> MergeStream::open(const std::string& folder, std::span<const
   MergeStream merge(runs.size(), run_points, schema.row_size(), monitor);
   for (const RunInfo& run : runs) {
     PSS_ASSIGN(RunReader reader, RunReader::open(folder, run, schema));
-    Source& source = merge.sources_.emplace_back(Source{std::move(reader), {}, 0});
-    source.points.row_size = schema.row_size();
-    source.points.keys.reserve(run_points + kRunBlockPoints);
-    source.points.rows.reserve((run_points + kRunBlockPoints) * schema.row_size());
+    Source& source = merge.sources_.emplace_back(std::move(reader), run_points + kRunBlockPoints,
+                                                 schema.row_size());
     if (from) PSS_TRY(source.reader.seek(*from));
   }
   if (from) PSS_TRY(merge.skip_to(*from));
@@ -45,7 +45,7 @@ Result<void> MergeStream::skip_to(const Key& from) {
     PSS_TRY(refill());
     behind = false;
     for (Source& source : sources_) {
-      const auto& keys = source.points.keys;
+      const auto keys = source.keys.first(source.end);
       source.at = static_cast<std::size_t>(std::ranges::lower_bound(keys, from) - keys.begin());
       behind = behind || (source.left() == 0 && !source.reader.ended());
     }
@@ -53,45 +53,55 @@ Result<void> MergeStream::skip_to(const Key& from) {
   return {};
 }
 
+void MergeStream::Source::forget_merged() {
+  std::copy(keys.data() + at, keys.data() + end, keys.data());
+  std::copy(row(at), row(end), rows.data());
+  end -= at;
+  at = 0;
+}
+
 /// Decodes blocks until every run has the points of a round, or no more.
 Result<void> MergeStream::refill() {
-  std::vector<Arrival> arrivals;
-  for (std::size_t s = 0; s < sources_.size(); ++s) PSS_TRY(refill(s, arrivals));
-  return decode(arrivals);
+  const auto arrival = [&](std::size_t k) -> Arrival& { return arrivals_[k % arrivals_.size()]; };
+  std::size_t source = 0;
+  Result<bool> read = true;
+  Result<void> decoded;
+  parallel_in_order(
+      arrivals_.size(),
+      [&](std::size_t k) {
+        read = next_block(source, arrival(k));
+        return read && *read;
+      },
+      [&](std::size_t k) { decode(arrival(k)); },
+      [&](std::size_t k) {
+        decoded = arrival(k).decoded;
+        return decoded.has_value();
+      });
+  PSS_TRY(decoded);  // of blocks before the one that could not be read
+  return read ? Result<void>() : std::move(read).error();
 }
 
-Result<void> MergeStream::refill(std::size_t s, std::vector<Arrival>& arrivals) {
-  Source& source = sources_[s];
-  if (source.left() >= run_points_ || source.reader.ended()) return {};
-  const auto merged = static_cast<std::ptrdiff_t>(source.at);
-  source.points.keys.erase(source.points.keys.begin(), source.points.keys.begin() + merged);
-  source.points.rows.erase(
-      source.points.rows.begin(),
-      source.points.rows.begin() + merged * static_cast<std::ptrdiff_t>(row_size_));
-  source.at = 0;
-  while (source.points.size() < run_points_ && !source.reader.ended()) {
-    Arrival& arrival = arrivals.emplace_back(Arrival{s, source.points.size(), {}});
+/// Reads the next block that is needed, of the runs from `source` on; false where all have enough.
+Result<bool> MergeStream::next_block(std::size_t& s, Arrival& arrival) {
+  for (; s < sources_.size(); ++s) {
+    Source& source = sources_[s];
+    if (source.left() >= run_points_ || source.reader.ended()) continue;
+    // The places behind are free of points in work: blocks of a run follow one another.
+    if (source.at > 0) source.forget_merged();
     PSS_TRY(source.reader.next(arrival.block));
-    source.points.keys.resize(arrival.at + arrival.block.count);
-    source.points.rows.resize(source.points.keys.size() * row_size_);
-    if (arrivals.size() == decoded_at_once()) PSS_TRY(decode(arrivals));
+    arrival.source = s;
+    arrival.at = source.end;
+    source.end += arrival.block.count;
+    return true;
   }
-  return {};
+  return false;
 }
 
-Result<void> MergeStream::decode(std::vector<Arrival>& arrivals) {
-  std::vector<Result<void>> done(arrivals.size());
-  parallel_for(arrivals.size(), 1, [&](std::size_t i, std::size_t) {
-    const Arrival& arrival = arrivals[i];
-    Source& source = sources_[arrival.source];
-    const std::size_t count = arrival.block.count;
-    done[i] = source.reader.decode(
-        arrival.block, std::span(source.points.keys).subspan(arrival.at, count),
-        std::span(source.points.rows).subspan(arrival.at * row_size_, count * row_size_));
-  });
-  arrivals.clear();
-  for (Result<void>& result : done) PSS_TRY(std::move(result));
-  return {};
+void MergeStream::decode(Arrival& arrival) {
+  const Source& source = sources_[arrival.source];
+  const std::size_t count = arrival.block.count;
+  arrival.decoded = source.reader.decode(arrival.block, {source.keys.data() + arrival.at, count},
+                                         {source.row(arrival.at), count * row_size_});
 }
 
 /// Of the runs with points beyond this round, the one whose points of this round end first.
@@ -103,8 +113,8 @@ std::optional<std::size_t> MergeStream::shortest() const {
     if (source.left() <= run_points_ && source.reader.ended()) continue;
     if (best) {
       const Source& b = sources_[*best];
-      if (!before(source.points.keys[last(source)], source.points.row(last(source)),
-                  b.points.keys[last(b)], b.points.row(last(b)), row_size_))
+      if (!before(source.keys[last(source)], source.row(last(source)), b.keys[last(b)],
+                  b.row(last(b)), row_size_))
         continue;
     }
     best = s;
@@ -122,8 +132,8 @@ std::size_t MergeStream::count_up_to(const Source& source, const Source& bound) 
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
     const std::size_t i = source.at + middle;
-    const bool after = before(bound.points.keys[last], bound.points.row(last),
-                              source.points.keys[i], source.points.row(i), row_size_);
+    const bool after =
+        before(bound.keys[last], bound.row(last), source.keys[i], source.row(i), row_size_);
     after ? high = middle : low = middle + 1;
   }
   return low;
@@ -137,19 +147,32 @@ Result<void> MergeStream::merge_round() {
   std::vector<std::size_t> counts;
   for (const Source& source : sources_)
     counts.push_back(bound ? count_up_to(source, sources_[*bound]) : source.left());
-  for (std::size_t s = 0; s < sources_.size(); ++s) {
-    Source& source = sources_[s];
-    round_.add(std::span(source.points.keys).subspan(source.at, counts[s]),
-               std::span(source.points.rows).subspan(source.at * row_size_, counts[s] * row_size_));
-    source.at += counts[s];
-  }
+  take_round(counts);
   return round_.sort(*monitor_);
 }
 
-Result<void> MergeStream::read(std::size_t max, KeyedRows& out) {
+/// Copies so many of the next points of every run into the round.
+void MergeStream::take_round(std::span<const std::size_t> counts) {
+  std::vector<std::size_t> places(counts.size());
+  std::exclusive_scan(counts.begin(), counts.end(), places.begin(), std::size_t{0});
+  parallel_for(counts.size(), 1, [&](std::size_t s, std::size_t) {
+    Source& source = sources_[s];
+    parallel_for(counts[s], kCopyGrain, [&](std::size_t begin, std::size_t end) {
+      const std::size_t n = end - begin;
+      const std::size_t at = places[s] + begin;
+      std::ranges::copy_n(source.keys.data() + source.at + begin, static_cast<std::ptrdiff_t>(n),
+                          round_.key_places(at, n).begin());
+      std::ranges::copy_n(source.row(source.at + begin), static_cast<std::ptrdiff_t>(n * row_size_),
+                          round_.row_places(at, n).begin());
+    });
+    source.at += counts[s];
+  });
+  round_.take_in(0, std::reduce(counts.begin(), counts.end()));
+}
+
+Result<std::size_t> MergeStream::read(std::span<Key> keys, std::span<std::byte> rows) {
   if (next_ == round_.size()) PSS_TRY(merge_round());
-  round_.read(next_, max, out);
-  return {};
+  return round_.read(next_, keys, rows);
 }
 
 std::size_t merge_run_points(const Schema& schema, std::size_t runs, std::uint64_t bytes) {
@@ -161,11 +184,10 @@ std::size_t merge_run_points(const Schema& schema, std::size_t runs, std::uint64
 }
 
 std::uint64_t merge_source_memory(const Schema& schema, std::size_t run_points) {
-  constexpr std::uint64_t kFileAndVectors = 1024;
+  constexpr std::uint64_t kFileAndPages = 4096;
   const std::uint64_t row = schema.row_size();
   return (run_points + kRunBlockPoints) * (sizeof(Key) + row) +
-         run_points * (Chunk::bytes_per_point(row) + Chunk::sort_bytes_per_point()) +
-         kFileAndVectors;
+         run_points * (Chunk::bytes_per_point(row) + Chunk::sort_bytes_per_point()) + kFileAndPages;
 }
 
 std::uint64_t merge_decode_memory(const Schema& schema) {
@@ -173,7 +195,7 @@ std::uint64_t merge_decode_memory(const Schema& schema) {
   const std::uint64_t row = sizeof(Index3) + schema.row_size();
   const std::uint64_t working = 3 * sizeof(Index3) + schema.row_size();
   return kRunBlockPoints *
-         (decoded_at_once() * row + static_cast<std::uint64_t>(thread_count()) * working);
+         (slots_in_order() * row + static_cast<std::uint64_t>(thread_count()) * working);
 }
 
 }  // namespace pss

@@ -6,14 +6,15 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/monitor.h"
 #include "core/morton.h"
 #include "core/result.h"
 #include "io/schema.h"
+#include "stream/big_array.h"
 #include "stream/chunk.h"
-#include "stream/keyed_rows.h"
 #include "stream/run.h"
 #include "stream/sorted_stream.h"
 
@@ -32,37 +33,48 @@ class MergeStream : public SortedStream {
                                   const Schema& schema, const std::optional<Key>& from,
                                   std::size_t run_points, const Monitor& monitor);
 
-  Result<void> read(std::size_t max, KeyedRows& out) override;
+  Result<std::size_t> read(std::span<Key> keys, std::span<std::byte> rows) override;
 
  private:
   /// A run, and those of its points that are decoded.
   struct Source {
-    RunReader reader;
-    KeyedRows points;
-    std::size_t at = 0;  ///< points before it are merged
+    Source(RunReader run, std::size_t capacity, std::size_t row_bytes)
+        : reader(std::move(run)), row_size(row_bytes), keys(capacity), rows(capacity * row_bytes) {}
 
-    std::size_t left() const { return points.size() - at; }
+    RunReader reader;
+    std::size_t row_size;
+    BigArray<Key> keys;
+    BigArray<std::byte> rows;
+    std::size_t at = 0;   ///< points before it are merged
+    std::size_t end = 0;  ///< of the points that are there
+
+    std::size_t left() const { return end - at; }
+    std::byte* row(std::size_t i) const { return rows.data() + i * row_size; }
+    void forget_merged();
   };
   /// A block on its way to the points of its run.
   struct Arrival {
     std::size_t source = 0;
     std::size_t at = 0;
     RunBlock block;
+    Result<void> decoded;
   };
   MergeStream(std::size_t runs, std::size_t run_points, std::size_t row_size,
               const Monitor& monitor);
   Result<void> skip_to(const Key& from);
   Result<void> refill();
-  Result<void> refill(std::size_t source, std::vector<Arrival>& arrivals);
-  Result<void> decode(std::vector<Arrival>& arrivals);
+  Result<bool> next_block(std::size_t& source, Arrival& arrival);
+  void decode(Arrival& arrival);
   std::optional<std::size_t> shortest() const;
   std::size_t count_up_to(const Source& source, const Source& bound) const;
   Result<void> merge_round();
+  void take_round(std::span<const std::size_t> counts);
 
   std::size_t run_points_;
   std::size_t row_size_;
   const Monitor* monitor_;
   std::vector<Source> sources_;
+  std::vector<Arrival> arrivals_;
   Chunk round_;
   std::size_t next_ = 0;  ///< of the round
 };

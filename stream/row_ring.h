@@ -22,18 +22,15 @@ class RowRing {
   std::size_t room() const { return keys_.size() - size_; }
   const Key& key(std::size_t i) const { return keys_[slot(i)]; }
 
-  /// Requires: room for all of `points`.
-  void push(const KeyedRows& points) {
-    assert(points.size() <= room());
-    for (std::size_t done = 0; done < points.size();) {
-      const std::size_t at = slot(size_);
-      const std::size_t n = std::min(points.size() - done, keys_.size() - at);
-      std::copy_n(points.keys.begin() + static_cast<std::ptrdiff_t>(done), n,
-                  keys_.begin() + static_cast<std::ptrdiff_t>(at));
-      copy_bytes(rows_.data() + at * row_size_, points.row(done), n);
-      size_ += n;
-      done += n;
-    }
+  /// Places behind the last point, as many as lie side by side; none where there is no room.
+  std::span<Key> free_keys() { return {keys_.data() + slot(size_), free_at_once()}; }
+  std::span<std::byte> free_rows() {
+    return {rows_.data() + slot(size_) * row_size_, free_at_once() * row_size_};
+  }
+  /// Points were written to the first `count` free places.
+  void push(std::size_t count) {
+    assert(count <= free_at_once());
+    size_ += count;
   }
 
   /// Copies points [begin, begin + positions.size()) out. Thread: any number at once.
@@ -56,9 +53,7 @@ class RowRing {
     const std::size_t at = head_ + i;
     return at < keys_.size() ? at : at - keys_.size();
   }
-  void copy_bytes(std::byte* to, const std::byte* from, std::size_t rows) const {
-    if (row_size_ > 0) std::memcpy(to, from, rows * row_size_);
-  }
+  std::size_t free_at_once() const { return std::min(room(), keys_.size() - slot(size_)); }
 
   std::size_t row_size_;
   std::size_t head_ = 0;

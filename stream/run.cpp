@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "stream/bytes.h"
@@ -165,7 +166,8 @@ Result<void> RunReader::decode(const RunBlock& block, std::span<Key> keys,
                                std::span<std::byte> rows) const {
   const std::uint64_t start = block.columns.front().offset;
   const auto& fields = schema_->fields();
-  std::vector<Index3> positions(block.count);
+  const auto space = std::make_unique_for_overwrite<Index3[]>(block.count);
+  const std::span<Index3> positions(space.get(), block.count);
   for (std::size_t c = 0; c < block.columns.size(); ++c) {
     const ColumnInfo& info = block.columns[c];
     const auto column = std::span(block.bytes).subspan(info.offset - start, info.size);

@@ -2,9 +2,10 @@
 // Points that come in order, whether from memory or from runs on the disk.
 
 #include <cstddef>
+#include <span>
 
+#include "core/morton.h"
 #include "core/result.h"
-#include "stream/keyed_rows.h"
 
 namespace pss {
 
@@ -12,8 +13,11 @@ class SortedStream {
  public:
   virtual ~SortedStream() = default;
 
-  /// Replaces `out` by at most `max` following points; none means the end.
-  virtual Result<void> read(std::size_t max, KeyedRows& out) = 0;
+  /// Fills the front of `keys` and `rows` with following points, and says how many they are; none
+  /// means the end.
+  ///
+  /// Shape: room for a point at least; `rows` a row for each of `keys`.
+  virtual Result<std::size_t> read(std::span<Key> keys, std::span<std::byte> rows) = 0;
 };
 
 }  // namespace pss

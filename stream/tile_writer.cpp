@@ -11,8 +11,6 @@
 namespace pss {
 namespace {
 
-constexpr std::size_t kReadAtOnce = 1 << 15;
-
 std::size_t ring_capacity(const StoreHeader& header, std::uint64_t points) {
   return static_cast<std::size_t>(std::min<std::uint64_t>(header.tile_points, points) + 1);
 }
@@ -33,13 +31,15 @@ class TileCutter {
   Result<void> skip(std::uint64_t count) {
     while (count > 0) {
       PSS_TRY(check_stopping());
-      PSS_TRY(in_.read(std::min<std::uint64_t>(count, kReadAtOnce), batch_));
-      if (batch_.size() == 0)
+      const auto keys = ring_.free_keys();
+      const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(count, keys.size()));
+      PSS_ASSIGN(const std::size_t got, in_.read(keys.first(most), ring_.free_rows()));
+      if (got == 0)
         return Error{Fault::kFailed,
                      fmt::format("{}: holds {} points more than its inputs; use --restart",
                                  store_.path(), count)};
-      count -= batch_.size();
-      last_ = batch_.keys.back();
+      count -= got;
+      last_ = keys[got - 1];
     }
     return {};
   }
@@ -63,9 +63,9 @@ class TileCutter {
   Result<void> fill() {
     while (!ended_ && ring_.room() > 0) {
       PSS_TRY(check_stopping());
-      PSS_TRY(in_.read(std::min(ring_.room(), kReadAtOnce), batch_));
-      ended_ = batch_.size() == 0;
-      ring_.push(batch_);
+      PSS_ASSIGN(const std::size_t got, in_.read(ring_.free_keys(), ring_.free_rows()));
+      ended_ = got == 0;
+      ring_.push(got);
     }
     return {};
   }
@@ -109,7 +109,6 @@ class TileCutter {
   RowRing ring_;
   std::uint64_t commit_every_;
   EarlySync early_sync_;
-  KeyedRows batch_;
   bool ended_ = false;
   std::optional<Key> last_;  ///< of the tile before
 };
@@ -140,7 +139,6 @@ std::uint64_t tile_writer_memory(const StoreHeader& header, std::uint64_t points
   // Leaves are about half full on surfaces, a third for good measure; their table may be growing.
   const std::uint64_t tiles = points / header.tile_points * 3 + 8;
   return ring_capacity(header, points) * row +
-         std::min<std::size_t>(kReadAtOnce, ring_capacity(header, points)) * row * 2 +
          encode_blocks_memory(header.schema, std::min<std::size_t>(kBlockPoints, points)) +
          2 * tiles * sizeof(TileInfo);
 }

@@ -243,6 +243,27 @@ TEST(Ingest, DropsPositionsThatAreNotFiniteAndCountsThem) {
   EXPECT_EQ(result.cloud.positions.size(), 3u);
 }
 
+TEST(Ingest, KeepsAllPointsBesideThoseThatItDropsInEveryBatch) {
+  test::TemporaryDirectory folder;
+  const ThreadLimit threads(2);
+  std::string finite = "0 0 0\n30000 30000 0\n";
+  std::string all = finite;
+  for (int i = 1; i < 30000; ++i) {
+    const std::string line = std::to_string(i * 7919 % 30000) + ' ' + std::to_string(i) + " 1\n";
+    finite += line;
+    all += i % 7 == 0 ? "nan 1 1\n" + line : line;
+  }
+  test::write_text(folder / "a.xyz", all);
+  test::write_text(folder / "b.xyz", finite);
+
+  const auto result = ingest_files(folder, "a", {folder / "a.xyz"}, {}, kRoomy);
+  const auto expected = ingest_files(folder, "b", {folder / "b.xyz"}, {}, kRoomy);
+
+  EXPECT_EQ(result.summary.dropped_not_finite, 4285u);
+  EXPECT_EQ(result.summary.points_stored, 30001u);
+  expect_equal(result.cloud, expected.cloud);
+}
+
 TEST(Ingest, ReportsTheSameCountsFromACompleteStore) {
   test::TemporaryDirectory folder;
   test::write_text(folder / "a.xyz", "0 0 0\nnan 1 1\n0.1 0.2 0.3\n");

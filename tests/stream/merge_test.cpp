@@ -44,12 +44,11 @@ RunInfo write_run(const std::string& folder, std::uint64_t id, const Points& poi
 
 Points read_whole(MergeStream& stream, std::size_t at_once) {
   Points all;
-  KeyedRows batch;
-  do {
-    expect_ok(stream.read(at_once, batch));
-    for (std::size_t i = 0; i < batch.size(); ++i)
-      all.push_back({batch.keys[i], static_cast<std::uint8_t>(*batch.row(i))});
-  } while (batch.size() > 0);
+  std::vector<Key> keys(at_once);
+  std::vector<std::byte> rows(at_once);
+  while (const std::size_t count = expect_value(stream.read(keys, rows)))
+    for (std::size_t i = 0; i < count; ++i)
+      all.push_back({keys[i], static_cast<std::uint8_t>(rows[i])});
   return all;
 }
 
