@@ -1,11 +1,16 @@
 """Signals before there is a job: pss listens to them from its first instruction on."""
 
+import os
 import shutil
+import signal
 import subprocess
+import time
 import unittest
 
 import harness
-from harness import INTERRUPTED, SystemTest
+from harness import DONE, INTERRUPTED, SystemTest
+
+STEPS = int(os.environ.get("PSS_EARLY_STEPS", 30))  # moments from 0 to 30 ms
 
 
 def can_trace():
@@ -44,6 +49,32 @@ class EarlySignals(SystemTest):
                 self.interrupted_at_every_call(number, ["info", scan], "exit_group")
                 self.interrupted_at_every_call(number, ["smooth", scan, "-o", out, "--dry-run"], "clone")
         self.assertFalse(out.exists())
+
+
+class FirstMilliseconds(SystemTest):
+    """From exec on, before main has its handlers too: there the signal ends the process as the
+    system does, and nothing has been begun."""
+
+    def test_sigterm_at_any_time_leaves_a_job_that_goes_on(self):
+        scan, out = self.synth("scan.las", points=2000), self.path("out.las")
+        words = ["smooth", scan, "-o", out, "--tile-points", 300, "--progress", "none"]
+        self.ok(*words)
+        expected = harness.sha256(out)
+        codes = set()
+        for step in range(STEPS):
+            out.unlink(missing_ok=True)
+            shutil.rmtree(f"{out}.work", ignore_errors=True)
+            job = harness.start(*words)
+            time.sleep(0.030 * step / STEPS)
+            harness.signal_to(job, signal.SIGTERM)
+            run = harness.finish(job)
+            codes.add(run.code)
+            self.assertIn(run.code, (DONE, INTERRUPTED, -signal.SIGTERM), run.err)
+            if run.code == -signal.SIGTERM:  # before main: there is nothing yet
+                self.assertFalse(os.path.exists(f"{out}.work"))
+            self.ok(*words)
+            self.assertEqual(harness.sha256(out), expected)
+        self.assertIn(INTERRUPTED, codes)
 
 
 if __name__ == "__main__":
