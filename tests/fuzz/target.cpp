@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -63,7 +62,7 @@ std::vector<std::span<const std::byte>> unpacked(std::span<const std::byte> inpu
                                                  std::size_t count) {
   std::vector<std::uint32_t> sizes(count - 1);
   const std::size_t head = std::min(input.size(), std::as_bytes(std::span(sizes)).size());
-  std::memcpy(sizes.data(), input.data(), head);
+  std::copy_n(input.begin(), head, std::as_writable_bytes(std::span(sizes)).begin());
   input = input.subspan(head);
   std::vector<std::span<const std::byte>> parts;
   for (const std::size_t size : sizes) {
