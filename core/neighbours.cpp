@@ -67,6 +67,16 @@ class InsideBall {
   double radius_sq_, surely_, perhaps_;
 };
 
+/// Comparing them as arrays is a call.
+bool same(const Index3& a, const Index3& b) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+
+/// Within kSlack of distance_sq, without a call.
+double plain_distance_sq(const Lattice& lattice, const Index3& a, const Index3& b) {
+  World3 d;
+  for (std::size_t x = 0; x < 3; ++x) d[x] = lattice.scale[x] * static_cast<double>(b[x] - a[x]);
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
 /// The k smallest of the values that it is shown.
 class Smallest {
  public:
@@ -206,13 +216,20 @@ double CellGrid::first_guess(const Index3& position, int k) const {
 }
 
 /// Shows `nearest` the squared distances of the distinct positions within `radius`, but the own.
+///
+/// Most lie farther than what is known, which a plain sum tells; the rest are decided by length_sq.
 template <class Nearest>
 void CellGrid::add_distances(const Index3& position, double radius, Nearest& nearest) const {
+  double perhaps = radius * radius * (1 + 2 * kSlack);
   visit_ball({position}, radius * (1 + kSlack), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const double d = distance_sq(lattice_, position, points_[i]);
-      if (points_[i] != position && std::sqrt(d) <= radius) nearest.add(d);
-      if (i + 1 < end && points_[i + 1] == points_[i]) i = end_of_copies(i, end) - 1;
+      const Index3& point = points_[i];
+      if (i + 1 < end && same(points_[i + 1], point)) i = end_of_copies(i, end) - 1;
+      if (plain_distance_sq(lattice_, position, point) > perhaps || same(point, position)) continue;
+      const double d = distance_sq(lattice_, position, point);
+      if (std::sqrt(d) > radius) continue;
+      nearest.add(d);
+      if (nearest.full()) perhaps = std::min(perhaps, nearest.largest() * (1 + 2 * kSlack));
     }
   });
 }
