@@ -13,7 +13,7 @@ import time
 import harness
 
 THREADS = [1, 2]
-ESTIMATE = 0.8  # seconds a kill takes, by those of an undisturbed run with two threads
+ESTIMATE = 0.6  # seconds a kill takes, by those of an undisturbed run with two threads
 LIMITS = ["128M", "192M", "1G"]
 STAGES = ["start", "sort", "merge", "spacing", "normals", "smooth", "write", "end"]
 
