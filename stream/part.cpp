@@ -46,6 +46,7 @@ void sort_by_key(std::vector<Index3>& points, std::vector<Normal>& normals) {
 /// A squared distance that decides what is loaded: more does no harm, so rounding may err that way.
 constexpr double kRoomForRounding = 1 + 1e-12;
 
+/// As distance_sq of boxes, which calls std::fma: too slow for every point of a halo.
 double gap_sq(const Lattice& lattice, const IndexBox& a, const IndexBox& b) {
   double sum = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
