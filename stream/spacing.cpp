@@ -66,6 +66,7 @@ double quantile(const std::vector<double>& sorted, double q) {
 
 Spacing spacing_over(const std::vector<SampledPosition>& points) {
   std::vector<double> distances;
+  distances.reserve(points.size());
   for (const SampledPosition& point : points) distances.push_back(point.d16);
   std::sort(distances.begin(), distances.end());
   Spacing spacing;
