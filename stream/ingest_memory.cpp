@@ -22,8 +22,16 @@ constexpr std::size_t kLargestBatch = 1 << 13;
 constexpr std::size_t kSmallestChunk = 4096;
 /// A row's number in a chunk has 32 bits.
 constexpr std::size_t kLargestChunk = std::size_t{1} << 31;
+/// Longer runs are sorted no faster, and what they hold the page cache lacks.
+constexpr std::size_t kUsualChunk = std::size_t{1} << 24;
 /// Open files at once; also far beyond where wider merges gain anything.
 constexpr std::size_t kLargestFanIn = 256;
+
+/// All points where they fit; else no more than sort well and leave a merge of all runs at once.
+std::uint64_t chunk_of(std::uint64_t most_that_fit, std::uint64_t points) {
+  if (most_that_fit >= points) return points;
+  return std::min(most_that_fit, std::max<std::uint64_t>(kUsualChunk, 2 * points / kLargestFanIn));
+}
 
 std::uint64_t divide(std::uint64_t bytes, std::uint64_t by) { return by > 0 ? bytes / by : 0; }
 
@@ -52,7 +60,8 @@ Result<IngestMemory> divide_memory(const StoreHeader& header, std::uint64_t poin
   const std::uint64_t point =
       Chunk::bytes_per_point(header.schema.row_size()) + Chunk::sort_bytes_per_point();
   const std::uint64_t chunk = usable > fixed ? divide(usable - fixed, point) : 0;
-  memory.chunk_points = std::min({chunk, most + memory.batch_points, std::uint64_t{kLargestChunk}});
+  memory.chunk_points =
+      chunk_of(std::min<std::uint64_t>(chunk, kLargestChunk), most + memory.batch_points);
   memory.read_bytes = fixed + memory.chunk_points * point;
   if (chunk < kSmallestChunk + memory.batch_points)
     return too_small(budget, usable, fixed + (kSmallestChunk + memory.batch_points) * point);
