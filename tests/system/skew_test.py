@@ -2,7 +2,7 @@
 refused at once with numbers.
 
 PSS_ODD_SCAN is the program that writes the scans (tests/system/odd_scan.cpp). The long form is
-scripts/long-memory.
+scripts/bench-skew.
 """
 
 import os
