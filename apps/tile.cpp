@@ -84,6 +84,7 @@ class Tile : public Command {
     Progress progress(reports_.progress);
     const JobPlaces places = job_.places();
     PSS_TRY(check_places(places));
+    PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget));
     PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places.work_dir));
     PSS_ASSIGN(JobRecord record, record_of(job_));
     PSS_ASSIGN(const Entry entry, enter_job(places, work, record));

@@ -93,10 +93,6 @@ Result<Room> free_room(const std::string& store_path, const std::string& work_di
 
 }  // namespace
 
-std::uint64_t disk_bound(const Schema& schema, std::uint64_t points) {
-  return static_cast<std::uint64_t>(2 * row_bytes(schema) * static_cast<double>(points));
-}
-
 Result<double> sample_bytes(const IngestPlan& plan, bool source_column, std::uint64_t chunk_points,
                             const Monitor& monitor) {
   const Schema& schema = plan.header.schema;

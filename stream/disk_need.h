@@ -10,9 +10,6 @@
 
 namespace pss {
 
-/// The most that runs and store together take: nothing compressed.
-std::uint64_t disk_bound(const Schema& schema, std::uint64_t points);
-
 /// Bytes that a point takes in a run or in the store, from samples spread over all inputs, sorted
 /// and compressed as they will be.
 ///

@@ -27,7 +27,6 @@ struct IngestPlan {
   std::vector<std::string> inputs;
   std::vector<std::uint64_t> counts;  ///< points a file, as promised (0: unknown)
   std::uint64_t points = 0;           ///< their sum
-  std::uint64_t disk_bytes = 0;       ///< what runs and store need at most, estimated
   std::vector<std::string> notes;     ///< files whose points move onto the common lattice, ...
 };
 

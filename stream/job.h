@@ -10,6 +10,7 @@
 #include "io/file.h"
 #include "io/file_lock.h"
 #include "stream/manifest.h"
+#include "stream/memory.h"
 
 namespace pss {
 
@@ -76,6 +77,12 @@ struct JobPlaces {
 ///
 /// Errors: kUsage; kFailed for a work directory that is none.
 Result<void> check_places(const JobPlaces& places);
+
+/// Takes what a job holds of its inputs' names, its record in JSON among it, for as long as it
+/// runs.
+///
+/// Errors: kMemoryLimit, with the limit that would do for them.
+Result<Reservation> reserve_names(const std::vector<std::string>& inputs, MemoryBudget& budget);
 
 enum class Entry { kNew, kResumed, kComplete };
 

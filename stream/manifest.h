@@ -47,6 +47,8 @@ struct StoreHeader {
 
   bool operator==(const StoreHeader&) const = default;
 };
+/// What a header's names and carried bytes hold, with the copies that a job has of them.
+std::uint64_t memory_of(const StoreHeader& header);
 
 /// What a tile's manifest record says.
 struct TileInfo {

@@ -9,6 +9,8 @@
 namespace pss {
 namespace {
 
+constexpr std::uint64_t kHeaderCopies = 4;
+
 void put(ByteWriter& w, const Lattice& lattice) {
   for (const double s : lattice.scale) w.put(s);
   for (const double o : lattice.origin) w.put(o);
@@ -138,6 +140,12 @@ StoreHeader get_header(ByteReader& r) {
 }
 
 }  // namespace
+
+std::uint64_t memory_of(const StoreHeader& header) {
+  std::uint64_t bytes = header.carry.head.size() + header.carry.tail.size();
+  for (const InputRecord& input : header.inputs) bytes += sizeof(InputRecord) + input.path.size();
+  return kHeaderCopies * bytes;
+}
 
 std::vector<std::byte> encode_header(const StoreHeader& header) {
   std::vector<std::byte> out;

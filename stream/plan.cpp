@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "stream/common_lattice.h"
-#include "stream/disk_need.h"
 #include "stream/fingerprint.h"
 #include "stream/ingest.h"
 #include "stream/input_stream.h"
@@ -19,9 +18,11 @@ namespace {
 
 constexpr std::size_t kBatch = 1 << 14;
 
-/// An input as far as it matters here.
+/// What is kept of an input's header: there may be very many.
 struct Input {
-  CloudHeader header;                ///< without its carry, but for the first
+  const std::string& path;
+  std::optional<Lattice> grid;
+  std::optional<WorldBox> promised;  ///< bounds by the header
   std::optional<WorldBox> measured;  ///< after a pass over all positions
   std::uint64_t count = 0;
 };
@@ -32,7 +33,7 @@ bool finite(const World3& p) {
 
 /// Bounds and number of the points of a file, by reading them all.
 Result<void> measure(Input& input, Monitor& monitor) {
-  PSS_ASSIGN(const auto reader, open_reader(input.header.path));
+  PSS_ASSIGN(const auto reader, open_reader(input.path));
   WorldBox bounds;
   PointBatch batch;
   input.count = 0;
@@ -60,7 +61,7 @@ class Planner {
       return Error{Fault::kUsage, "--tile-points 0: a tile has at least one point"};
     if (options_.scale) PSS_TRY(check_step(*options_.scale));
     PSS_TRY(open_inputs());
-    PSS_TRY(unite_schemas());
+    PSS_TRY(complete_schema());
     PSS_TRY(choose_lattice());
     note_moves();
     return result();
@@ -76,23 +77,23 @@ class Planner {
       PSS_TRY(check_crs(reader->header()));
       PSS_ASSIGN(InputRecord record, fingerprint(path));
       plan_.header.inputs.push_back(std::move(record));
-      take(reader->header());
+      take(path, reader->header());
     }
     return {};
   }
 
-  void take(const CloudHeader& header) {
-    Input& input = inputs_.emplace_back();
-    input.header = header;
-    input.header.path = paths_[inputs_.size() - 1];
-    input.count = header.count.value_or(0);
-    for (const std::string& warning : header.warnings)
-      plan_.notes.push_back(fmt::format("{}: {}", input.header.path, warning));
-    if (inputs_.size() == 1) {
-      plan_.header.carry = std::move(input.header.carry);
+  void take(const std::string& path, const CloudHeader& header) {
+    if (inputs_.empty()) {
+      plan_.header.carry = header.carry;
       plan_.header.source_format = header.format;
+      plan_.header.schema = header.schema;
+    } else if (header.schema != last_schema_) {
+      plan_.header.schema = unite(plan_.header.schema, header.schema);
     }
-    input.header.carry = {};
+    last_schema_ = header.schema;
+    inputs_.push_back({path, header.grid, header.bounds, {}, header.count.value_or(0)});
+    for (const std::string& warning : header.warnings)
+      plan_.notes.push_back(fmt::format("{}: {}", path, warning));
   }
 
   Result<void> check_crs(const CloudHeader& header) {
@@ -108,10 +109,8 @@ class Planner {
                              crs_path_, header.path)};
   }
 
-  Result<void> unite_schemas() {
+  Result<void> complete_schema() {
     Schema& schema = plan_.header.schema;
-    for (const Input& input : inputs_)
-      schema = &input == &inputs_[0] ? input.header.schema : unite(schema, input.header.schema);
     if (options_.source_column) PSS_TRY(add_source_column(schema));
     if (schema.row_size() <= kMaxRowSize) return {};
     return Error{Fault::kBadInput,
@@ -132,7 +131,7 @@ class Planner {
   }
 
   bool all_on_grids() const {
-    return std::ranges::all_of(inputs_, [](const Input& i) { return i.header.grid.has_value(); });
+    return std::ranges::all_of(inputs_, [](const Input& i) { return i.grid.has_value(); });
   }
 
   Result<void> choose_lattice() {
@@ -142,16 +141,14 @@ class Planner {
 
   Result<void> lattice_of_grids() {
     std::vector<Lattice> grids;
-    for (const Input& input : inputs_) grids.push_back(*input.header.grid);
+    for (const Input& input : inputs_) grids.push_back(*input.grid);
     Lattice lattice = common_grid(grids);
     if (options_.scale) lattice.scale = *options_.scale;
     // What a header promises is not trusted, least of all to refuse a file.
     for (Input& input : inputs_) {
-      if (check_fits(input.header.path, input.header.bounds.value_or(WorldBox()), lattice) &&
-          input.header.bounds)
-        continue;
+      if (input.promised && check_fits(input.path, *input.promised, lattice)) continue;
       PSS_TRY(measure_one(input));
-      PSS_TRY(check_fits(input.header.path, *input.measured, lattice));
+      PSS_TRY(check_fits(input.path, *input.measured, lattice));
     }
     plan_.header.lattice = lattice;
     plan_.header.grid = lattice;
@@ -178,18 +175,18 @@ class Planner {
         options_.scale ? lattice_with_step(bounds, *options_.scale) : lattice_for(bounds);
     if (options_.scale) plan_.header.grid = plan_.header.lattice;
     for (const Input& input : inputs_)
-      PSS_TRY(check_fits(input.header.path, *input.measured, plan_.header.lattice));
+      PSS_TRY(check_fits(input.path, *input.measured, plan_.header.lattice));
     return {};
   }
 
   void note_moves() {
     for (const Input& input : inputs_) {
-      if (!input.header.grid || align(*input.header.grid, plan_.header.lattice)) continue;
+      if (!input.grid || align(*input.grid, plan_.header.lattice)) continue;
       const World3& step = plan_.header.lattice.scale;
       plan_.notes.push_back(
           fmt::format("{}: its grid does not align with the common lattice; its points move by at "
                       "most half a step ({}, {}, {})",
-                      input.header.path, step[0] / 2, step[1] / 2, step[2] / 2));
+                      input.path, step[0] / 2, step[1] / 2, step[2] / 2));
     }
   }
 
@@ -198,7 +195,6 @@ class Planner {
       plan_.counts.push_back(input.count);
       plan_.points += input.count;
     }
-    plan_.disk_bytes = disk_bound(plan_.header.schema, plan_.points);
     return std::move(plan_);
   }
 
@@ -207,6 +203,7 @@ class Planner {
   Monitor& monitor_;
   IngestPlan plan_;
   std::vector<Input> inputs_;
+  Schema last_schema_;
   std::string crs_path_;
 };
 

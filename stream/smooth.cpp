@@ -33,6 +33,7 @@ class SmoothRun {
     const Stopwatch total;
     PSS_TRY(check_job(job_));
     PSS_TRY(check_places(places_));
+    PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget_));
     PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places_.work_dir));
     PSS_TRY(enter(work));
     if (!report_.already_complete) {

@@ -35,7 +35,7 @@ class Store {
   bool complete() const { return manifest_.complete; }
   const std::string& summary() const { return manifest_.summary; }
   std::uint64_t bytes_on_disk() const;
-  /// What the tile table itself holds in memory.
+  /// What header and tile table hold in memory.
   std::uint64_t memory() const;
 
   Result<std::vector<BlockInfo>> read_index(std::size_t tile) const;
