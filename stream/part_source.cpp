@@ -29,8 +29,8 @@ void PartQueue::push_halves(const PartRange& range) {
 
 namespace {
 
-constexpr int kSmallestRadius =
-    1024;  ///< the smallest that a refusal names is one of so many parts
+/// A refusal names no radius that is a smaller part of the one it refuses.
+constexpr int kSmallestRadius = 1024;
 
 /// At least what any block of a planned tile takes as a part of its own, each of whose balls may
 /// hold all that lies around one, and what all copies of one place take together.
