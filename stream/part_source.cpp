@@ -80,13 +80,16 @@ Result<bool> too_dense(const PartLoader& loader, const Operator& op, const PartP
   PSS_ASSIGN(std::uint64_t needed, needed_by_all(loader, op, 1));
   needed = std::max(needed, op.bytes(densest_part(plan)));
   PSS_ASSIGN(const std::string radius, or_radius(loader, op, room));
+  const auto limit_for = [&](std::uint64_t part) {
+    return ((room.limit + part - room.bytes) >> 20) + 1;
+  };
   return Error{Fault::kMemoryLimit,
                fmt::format("{}: near ({:.9g}, {:.9g}, {:.9g}) up to {} points lie within {:.6g} of "
                            "{} points, which takes {} MiB of the {} MiB that the memory limit "
-                           "leaves; use --memory-limit {}M or more{}",
+                           "leaves; use --memory-limit {}M, which should do ({}M may){}",
                            loader.source().path(), place[0], place[1], place[2], plan.near_points,
-                           reach, plan.own_points, bytes >> 20, room.bytes >> 20,
-                           ((room.limit + needed - room.bytes) >> 20) + 1, radius)};
+                           reach, plan.own_points, bytes >> 20, room.bytes >> 20, limit_for(needed),
+                           limit_for(bytes), radius)};
 }
 
 /// Whether smaller parts of a tile might leave room for a second: not where what lies around each
