@@ -10,6 +10,7 @@
 #include "stream/smooth_job.h"
 #include "stream/smooth_json.h"
 #include "stream/smooth_method.h"
+#include "stream/smooth_space.h"
 #include "stream/stopwatch.h"
 
 namespace pss {
@@ -185,7 +186,7 @@ Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) 
 /// uncompressed at worst, on its own, which may be the same.
 Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& op,
                                     const WorkDirectory& work) const {
-  const SmoothSpace space = space_of(job_, report_.normals, source, op);
+  const SmoothSpace space = smooth_space(job_, report_.normals, source, op);
   const std::string folder = directory_of(job_.output);
   const bool apart = !same_disk(work.path(), folder);
   if (apart)

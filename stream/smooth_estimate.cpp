@@ -61,7 +61,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
     estimate.halo_share =
         static_cast<double>(schedule.halo_points) / static_cast<double>(schedule.own_points);
   estimate.peak_memory = budget.limit() - budget.total() + schedule.peak_bytes;
-  estimate.disk_bytes = space_of(job, estimate.normals, source, op).most();
+  estimate.disk_bytes = smooth_space(job, estimate.normals, source, op).most();
   add_times(estimate, usual_neighbours(estimate.widths));
   return estimate;
 }

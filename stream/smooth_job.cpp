@@ -156,15 +156,6 @@ Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& j
   return ProjectOperator::create(source, parameters);
 }
 
-SmoothSpace space_of(const SmoothJob& job, NormalsFrom normals, const Store& source,
-                     const ProjectOperator& op) {
-  const StoreHeader& from = source.header();
-  const StoreHeader& to = op.result_header();
-  return smooth_space(
-      job, normals, {source.points(), source.bytes_on_disk(), from.lattice, from.schema.row_size()},
-      to.lattice, to.schema.row_size());
-}
-
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {
   return check_buffer_width(options, op.largest_reach());
 }

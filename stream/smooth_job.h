@@ -8,7 +8,6 @@
 #include "stream/job.h"
 #include "stream/project.h"
 #include "stream/smooth.h"
-#include "stream/smooth_space.h"
 
 namespace pss {
 
@@ -33,8 +32,6 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
 /// The job's first pass over its sorted input, where its operator needs normals and that has none.
 Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths);
-SmoothSpace space_of(const SmoothJob& job, NormalsFrom normals, const Store& source,
-                     const ProjectOperator& op);
 /// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);
 

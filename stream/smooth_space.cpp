@@ -52,4 +52,13 @@ SmoothSpace smooth_space(const SmoothJob& job, NormalsFrom normals, const Stored
   return space;
 }
 
+SmoothSpace smooth_space(const SmoothJob& job, NormalsFrom normals, const Store& source,
+                         const ProjectOperator& op) {
+  const StoreHeader& from = source.header();
+  const StoreHeader& to = op.result_header();
+  return smooth_space(
+      job, normals, {source.points(), source.bytes_on_disk(), from.lattice, from.schema.row_size()},
+      to.lattice, to.schema.row_size());
+}
+
 }  // namespace pss

@@ -6,7 +6,9 @@
 
 #include "core/lattice.h"
 #include "stream/normals.h"
+#include "stream/project.h"
 #include "stream/smooth.h"
+#include "stream/store.h"
 
 namespace pss {
 
@@ -37,5 +39,8 @@ struct StoredPoints {
 /// positions count in full: little of them compresses.
 SmoothSpace smooth_space(const SmoothJob& job, NormalsFrom normals, const StoredPoints& source,
                          const Lattice& result_lattice, std::size_t result_row_bytes);
+/// Of a job whose operator turns this store into its result.
+SmoothSpace smooth_space(const SmoothJob& job, NormalsFrom normals, const Store& source,
+                         const ProjectOperator& op);
 
 }  // namespace pss
