@@ -1,7 +1,6 @@
 // LAS files: header, VLRs, extra bytes, coordinate system, records, EVLRs.
 
 #include "io/las_reader.h"
-#include "tests/fuzz/allocations.h"
 #include "tests/fuzz/read_points.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/las_bytes.h"
@@ -30,8 +29,6 @@ std::vector<Bytes> seeds() {
 }  // namespace pss::test
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pss::test::OneFile file("/in", std::as_bytes(std::span(data, size)));
-  const pss::test::AllocationBound bound((4u << 20) + 64 * size);
-  pss::test::read_points(pss::open_las(file.path()));
+  pss::test::read_points(data, size, pss::open_las);
   return 0;
 }

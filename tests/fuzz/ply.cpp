@@ -1,7 +1,6 @@
 // PLY files: header, text and bytes of both orders, lists, other elements.
 
 #include "io/ply_reader.h"
-#include "tests/fuzz/allocations.h"
 #include "tests/fuzz/read_points.h"
 #include "tests/fuzz/target.h"
 
@@ -36,8 +35,6 @@ std::vector<Bytes> seeds() {
 }  // namespace pss::test
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const pss::test::OneFile file("/in", std::as_bytes(std::span(data, size)));
-  const pss::test::AllocationBound bound((4u << 20) + 64 * size);
-  pss::test::read_points(pss::open_ply(file.path()));
+  pss::test::read_points(data, size, pss::open_ply);
   return 0;
 }

@@ -1,7 +1,9 @@
 #include "tests/fuzz/read_points.h"
 
 #include <cstring>
+#include <span>
 
+#include "tests/fuzz/allocations.h"
 #include "tests/fuzz/target.h"
 
 namespace pss::test {
@@ -47,7 +49,11 @@ void read_from_the_middle(Reader& reader, const PointBatch& all) {
 
 }  // namespace
 
-void read_points(Result<std::unique_ptr<Reader>> opened) {
+void read_points(const std::uint8_t* data, std::size_t size,
+                 Result<std::unique_ptr<Reader>> (*open)(const std::string& path)) {
+  const OneFile file("/in", std::as_bytes(std::span(data, size)));
+  const AllocationBound bound((4u << 20) + 64 * size);
+  const Result<std::unique_ptr<Reader>> opened = open(file.path());
   if (!opened) return require_clear(opened.error());
   Reader& reader = **opened;
   const Result<PointBatch> all = rest_of(reader, 7);
