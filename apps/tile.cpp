@@ -9,8 +9,8 @@
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "core/parallel.h"
+#include "io/fingerprint.h"
 #include "io/inputs.h"
-#include "stream/fingerprint.h"
 #include "stream/ingest.h"
 #include "stream/job.h"
 

@@ -7,9 +7,9 @@
 #include <limits>
 #include <memory>
 
+#include "io/hash.h"
 #include "stream/bytes.h"
 #include "stream/codec.h"
-#include "stream/hash.h"
 
 namespace pss {
 namespace {

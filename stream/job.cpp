@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "stream/fingerprint.h"
-#include "stream/hash.h"
+#include "io/fingerprint.h"
+#include "io/hash.h"
 #include "stream/shallow_json.h"
 #include "stream/store_writer.h"
 

@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "io/hash.h"
 #include "stream/bytes.h"
-#include "stream/hash.h"
 
 namespace pss {
 namespace {

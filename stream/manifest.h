@@ -11,6 +11,7 @@
 #include "core/lattice.h"
 #include "core/morton.h"
 #include "core/result.h"
+#include "io/fingerprint.h"
 #include "io/points.h"
 #include "io/schema.h"
 #include "stream/log.h"
@@ -20,16 +21,6 @@ namespace pss {
 inline constexpr std::uint32_t kTilePoints = 1u << 18;  ///< a tile owns at most so many points
 /// A row has at most so many bytes; a file that claims more is refused.
 inline constexpr std::size_t kMaxRowSize = 1 << 16;
-
-/// A file that points came from, as far as it tells whether it is still the same.
-struct InputRecord {
-  std::string path;
-  std::uint64_t size = 0;
-  std::int64_t modified_ns = 0;
-  std::uint64_t content_hash = 0;  ///< of its first and last 64 KiB
-
-  bool operator==(const InputRecord&) const = default;
-};
 
 /// What is known before the first tile: the manifest's first record.
 struct StoreHeader {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
+#include "io/fingerprint.h"
 #include "stream/common_lattice.h"
-#include "stream/fingerprint.h"
 #include "stream/ingest.h"
 #include "stream/input_stream.h"
 #include "stream/placement.h"

@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "io/hash.h"
 #include "stream/bytes.h"
-#include "stream/hash.h"
 
 namespace pss {
 namespace {

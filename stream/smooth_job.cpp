@@ -6,9 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "io/fingerprint.h"
 #include "io/inputs.h"
 #include "io/writer.h"
-#include "stream/fingerprint.h"
 #include "stream/smooth_method.h"
 
 namespace pss {

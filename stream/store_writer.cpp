@@ -7,8 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "io/hash.h"
 #include "stream/bytes.h"
-#include "stream/hash.h"
 #include "stream/store.h"
 
 namespace pss {

@@ -7,7 +7,7 @@
 
 #include "core/monitor.h"
 #include "core/result.h"
-#include "stream/hash.h"
+#include "io/hash.h"
 #include "stream/memory.h"
 
 namespace pss {

@@ -1,6 +1,6 @@
-// Stands in for stream/hash.cpp: every checksum is 0, so that changed bytes come past them.
+// Stands in for io/hash.cpp: every checksum is 0, so that changed bytes come past them.
 
-#include "stream/hash.h"
+#include "io/hash.h"
 
 namespace pss {
 

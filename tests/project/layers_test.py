@@ -14,7 +14,7 @@ LIBRARIES = {
     r"oneapi/": ("core", 0),
     r"flann/": ("core", 1),
     r"lz4": ("stream", 1),
-    r"xxhash": ("stream", 1),
+    r"xxhash": ("io", 1),
     r"CLI/": ("apps", 2),
 }
 # Headers and words by which a program reaches the disk, and the files that may use them.

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "stream/hash.h"
+#include "io/hash.h"
 #include "tests/stream/store_fixture.h"
 
 namespace pss {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <optional>
 
-#include "stream/fingerprint.h"
+#include "io/fingerprint.h"
 #include "stream/smooth_json.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/test_data.h"

@@ -1,4 +1,4 @@
-#include "stream/fingerprint.h"
+#include "io/fingerprint.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "io/file.h"
-#include "stream/hash.h"
+#include "io/hash.h"
 
 namespace pss {
 namespace {

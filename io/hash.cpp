@@ -1,4 +1,4 @@
-#include "stream/hash.h"
+#include "io/hash.h"
 
 #include <fmt/format.h>
 #include <xxhash.h>
