@@ -41,7 +41,7 @@ class Export : public Command {
     const ExportOptions options{.scale = grid_.scale.steps,
                                 .scale_auto = grid_.scale.automatic,
                                 .offset = grid_.offset,
-                                .overwrite = overwrite_};
+                                .rules = {.overwrite = overwrite_}};
     PSS_ASSIGN(const ExportSummary summary,
                export_store(store, output_, options, budget, progress));
     for (const std::string& note : summary.notes) progress.note(note);

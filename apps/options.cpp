@@ -4,12 +4,11 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
 #include <span>
 
 #include "core/parallel.h"
-#include "io/file.h"
-#include "io/inputs.h"
 #include "stream/memory.h"
 
 namespace pss {
@@ -170,18 +169,9 @@ void ReportOptions::declare_progress(Arguments& arguments) {
 }
 
 void ReportOptions::declare_report(Arguments& arguments) {
-  arguments.option("--report", "FILE", "Write a JSON report at the end; keys: docs/report.md",
+  arguments.option("--report", "FILE", "Write a JSON report at the end, \"-\" to stdout; an existing file is replaced only "
+                   "with --overwrite; keys: docs/report.md",
                    report, parse_text);
-}
-
-Result<void> ReportOptions::check() const {
-  return report.empty() ? Result<void>() : check_output({}, report);
-}
-
-Result<void> ReportOptions::write(const std::string& json) const {
-  if (report.empty()) return {};
-  const std::string text = json + "\n";
-  return replace_file(report, std::as_bytes(std::span(text)));
 }
 
 Result<ScaleChoice> parse_scale_or_auto(std::string_view text) {
@@ -200,11 +190,19 @@ void GridOptions::declare(Arguments& arguments) {
 }
 
 void JobOptions::declare(Arguments& arguments) {
-  arguments.option("--work-dir", "DIR", "Where the job keeps its work [OUTPUT.work]", work_dir,
-                   parse_text);
+  arguments.option("--work-dir", "DIR", "Where the job keeps its work; its record stays there [OUTPUT.work, gone after "
+                   "success]",
+                   work_dir, parse_text);
   arguments.flag("--keep-work", "Keep the work directory whole after success", keep_work);
   arguments.flag("--overwrite", "Replace an existing OUTPUT, at the end and not before", overwrite);
   arguments.flag("--restart", "Discard the work directory instead of going on with it", restart);
+}
+
+std::string state_folder() {
+  const char* state = std::getenv("XDG_STATE_HOME");
+  if (state && *state == '/') return std::string(state) + "/pss";  // its standard wants it absolute
+  const char* home = std::getenv("HOME");
+  return home && *home == '/' ? std::string(home) + "/.local/state/pss" : "";
 }
 
 void declare_overwrite(Arguments& arguments, bool& overwrite) {

@@ -48,14 +48,10 @@ struct LimitOptions {
 /// Where words about the work go.
 struct ReportOptions {
   std::string progress = "auto";
-  std::string report;  ///< path of a JSON report; empty: none
+  std::string report;  ///< path of a JSON report; "-": stdout; empty: none
 
   void declare_progress(Arguments& arguments);
   void declare_report(Arguments& arguments);
-  /// Errors: where a report could not be written, told before the work rather than after it.
-  Result<void> check() const;
-  /// Writes `json` to the report's path, if there is one.
-  Result<void> write(const std::string& json) const;
 };
 
 /// The steps of a LAS file's coordinates, chosen by hand or by pss.
@@ -83,6 +79,10 @@ struct JobOptions {
 
   void declare(Arguments& arguments);
 };
+
+/// Where it is remembered which outputs are complete: $XDG_STATE_HOME/pss, or ~/.local/state/pss;
+/// empty where neither is known.
+std::string state_folder();
 
 /// --overwrite alone, for commands that are no jobs.
 void declare_overwrite(Arguments& arguments, bool& overwrite);

@@ -11,6 +11,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/progress.h"
+#include "apps/report_file.h"
 #include "apps/smooth_text.h"
 #include "core/parallel.h"
 #include "core/simd/targets.h"
@@ -81,19 +82,19 @@ class Smooth : public Command {
   Result<void> run() override {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
-    PSS_TRY(reports_.check());
     PSS_TRY(take_method());
     take_options();
+    PSS_ASSIGN(const ReportFile report, claim_report());
     ThreadLimit threads(limits_.threads);
     std::optional<simd::ForcedTarget> forced;
     for (const simd::Target& target : simd::targets())
       if (target.name == target_) forced.emplace(target);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
-    if (dry_run_) return estimate(budget, progress);
-    PSS_ASSIGN(const SmoothReport report, smooth(job_, budget, progress));
-    for (const std::string& line : summary_lines(report)) progress.note(line);
-    return reports_.write(to_json(report));
+    if (dry_run_) return estimate(report, budget, progress);
+    PSS_ASSIGN(const SmoothReport done, smooth(job_, budget, progress));
+    for (const std::string& line : summary_lines(done)) progress.note(line);
+    return report.write(to_json(done));
   }
 
   bool resumable() const override { return !dry_run_; }
@@ -180,15 +181,23 @@ class Smooth : public Command {
     options.scale_auto = grid_.scale.automatic;
     options.offset = grid_.offset;
     options.work_dir = directory_.work_dir;
+    options.state_folder = state_folder();
     options.overwrite = directory_.overwrite;
     options.restart = directory_.restart;
     options.keep_work = directory_.keep_work;
   }
 
-  Result<void> estimate(MemoryBudget& budget, Progress& progress) {
+  Result<ReportFile> claim_report() const {
+    const SmoothOptions& options = job_.options;
+    const std::string work_dir = options.work_dir.empty() ? job_.output + ".work" : options.work_dir;
+    return ReportFile::claim(reports_.report, {"smooth", job_.inputs, job_.output, work_dir,
+                                               options.overwrite});
+  }
+
+  Result<void> estimate(const ReportFile& report, MemoryBudget& budget, Progress& progress) {
     PSS_ASSIGN(const SmoothEstimate estimate, estimate_smooth(job_, budget, progress));
-    fmt::print("{}", estimate_text(estimate));
-    return reports_.write(to_json(estimate));
+    if (!report.to_stdout()) fmt::print("{}", estimate_text(estimate));
+    return report.write(to_json(estimate));
   }
 
   std::vector<std::string> inputs_;

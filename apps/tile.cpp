@@ -8,6 +8,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/progress.h"
+#include "apps/report_file.h"
 #include "core/parallel.h"
 #include "io/fingerprint.h"
 #include "io/inputs.h"
@@ -28,7 +29,8 @@ struct TileJob {
   JobPlaces places() const {
     return {inputs,
             output,
-            directory.work_dir.empty() ? output + ".work" : directory.work_dir,
+            directory.work_dir,
+            state_folder(),
             directory.overwrite,
             directory.restart,
             directory.keep_work};
@@ -36,10 +38,11 @@ struct TileJob {
 };
 
 Result<JobRecord> record_of(const TileJob& job) {
-  const nlohmann::json parameters = {
+  const nlohmann::json sorting = {
       {"tile-points", job.ingest.tile_points},
       {"scale", job.ingest.scale ? nlohmann::json(*job.ingest.scale) : nlohmann::json()}};
-  JobRecord record{.command = "tile", .output = job.output, .parameters = parameters.dump()};
+  JobRecord record{
+      .command = "tile", .output = job.output, .sorting = sorting.dump(), .parameters = "{}"};
   for (const std::string& input : job.inputs) {
     PSS_ASSIGN(InputRecord found, fingerprint(input));
     record.inputs.push_back(std::move(found));
@@ -78,36 +81,54 @@ class Tile : public Command {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(check_output(job_.inputs, job_.output));
-    PSS_TRY(reports_.check());
+    const JobPlaces places = job_.places();
+    PSS_ASSIGN(const ReportFile report,
+               ReportFile::claim(reports_.report, {"tile", job_.inputs, job_.output,
+                                                   places.work_directory(), places.overwrite}));
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
-    const JobPlaces places = job_.places();
-    PSS_TRY(check_places(places));
     PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget));
-    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places.work_dir));
     PSS_ASSIGN(JobRecord record, record_of(job_));
-    PSS_ASSIGN(const Entry entry, enter_job(places, work, record));
-    if (entry == Entry::kComplete) {
+    PSS_ASSIGN(Job started, Job::enter(places, std::move(record), progress));
+    if (started.complete()) {
       progress.note(job_.output + ": already complete");
-      return {};
+      return report.write(already_complete());
     }
-    return build(places, work, record, budget, progress);
+    const auto built = build(started, budget, progress);
+    return built ? report.write(report_of(*built)) : started.fail(built.error());
   }
 
   bool resumable() const override { return true; }
 
  private:
-  Result<void> build(const JobPlaces& places, const WorkDirectory& work, JobRecord& record,
-                     MemoryBudget& budget, Progress& progress) {
+  Result<IngestSummary> build(Job& started, MemoryBudget& budget, Progress& progress) {
+    const WorkDirectory& work = started.work();
     PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, job_.ingest, progress));
     for (const std::string& note : plan.notes) progress.note(note);
     PSS_ASSIGN(const IngestSummary summary,
                ingest(plan, work.input_store(), work.path(), job_.ingest, budget, progress));
-    PSS_TRY(hand_over_store(work.input_store(), places, work, record));
-    PSS_TRY(leave_job(places, work, record));
+    PSS_TRY(started.hand_over_store(work.input_store()));
+    PSS_TRY(started.leave());
     tell(summary, budget, progress);
-    return reports_.write(to_json(summary));
+    return summary;
+  }
+
+  nlohmann::ordered_json described() const {
+    return {{"command", "tile"}, {"inputs", job_.inputs}, {"output", job_.output}};
+  }
+  std::string dump(const nlohmann::ordered_json& json) const {
+    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  }
+  std::string already_complete() const {
+    nlohmann::ordered_json json = described();
+    json["already_complete"] = true;
+    return dump(json);
+  }
+  std::string report_of(const IngestSummary& summary) const {
+    nlohmann::ordered_json json = described();
+    json.update(nlohmann::ordered_json::parse(to_json(summary)));
+    return dump(json);
   }
 
   void tell(const IngestSummary& summary, const MemoryBudget& budget, Progress& progress) const {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/result.h"
-#include "io/file.h"
+#include "io/output_file.h"
 
 namespace pss {
 

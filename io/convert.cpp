@@ -192,7 +192,6 @@ Result<WriteOptions> plan(Readers readers, const std::string& output, const Conv
   if (!found.bounds.empty()) plan.bounds = found.bounds;
   plan.scale = options.scale;
   plan.offset = options.offset;
-  plan.overwrite = options.overwrite;
   plan.same_points = readers.size() == 1 && plan.carry && !options.scale && !options.offset;
   return plan;
 }
@@ -211,7 +210,10 @@ void note_inputs(Readers readers, const std::optional<Carry>& carry,
 Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
                                    const ConvertOptions& options, Monitor& monitor) {
   if (readers.empty()) return Error{Fault::kFailed, "no input: there is nothing to convert"};
-  PSS_ASSIGN(const WriteOptions planned, plan(readers, output, options, monitor));
+  PSS_TRY(check_replaceable(output, options.overwrite));
+  PSS_ASSIGN(const OutputLock lock, OutputLock::take(output));
+  PSS_ASSIGN(WriteOptions planned, plan(readers, output, options, monitor));
+  planned.rules = {options.overwrite, &lock, {}};
   PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, planned));
   ConvertSummary summary;
   note_inputs(readers, planned.carry, summary.notes);

@@ -14,8 +14,14 @@ namespace pss::disk {
 /// its system call does: reads and writes may be short, and each may be interrupted (EINTR).
 using Outcome = std::int64_t;
 
-enum class Open { kRead, kCreate, kOpenOrCreate, kReadWrite };
-enum class Kind { kFile, kDirectory, kOther };
+/// To write, a file is opened under its own name or not at all: where the name is a link, the call
+/// fails (ELOOP, or EEXIST for kCreateNew), because what it leads to may be anybody's.
+enum class Open {
+  kRead,       ///< follows links
+  kCreateNew,  ///< to read and write; -EEXIST where the name is taken, by whatever
+  kReadWrite   ///< to read and write a file that is there
+};
+enum class Kind { kFile, kDirectory, kLink, kOther };
 enum class Links { kFollow, kKeep };
 enum class Lock { kShared, kExclusive };
 
@@ -25,6 +31,8 @@ struct Status {
   std::int64_t modified_ns = 0;
   std::uint64_t device = 0;
   std::uint64_t inode = 0;
+  std::uint64_t links = 1;  ///< names that lead to it: more than one for hard links
+  bool mounted = false;     ///< another file system, or a bind mount, begins here
 };
 
 /// Gives a descriptor, which close() gives back. Never waits, not even for a pipe's writer.
@@ -38,6 +46,8 @@ Outcome truncate(int descriptor, std::uint64_t size);
 Outcome sync(int descriptor);
 /// Never waits: -EWOULDBLOCK where another process holds it.
 Outcome lock(int descriptor, Lock kind);
+/// The process that holds a lock on this file; -ESRCH where this machine knows of none.
+Outcome lock_holder(int descriptor);
 Outcome status(int descriptor, Status& out);
 Outcome status(const std::string& path, Links links, Status& out);
 
@@ -51,6 +61,8 @@ Outcome remove_file(const std::string& path);
 Outcome rename(const std::string& from, const std::string& to);
 /// -EEXIST where `to` is there; -EINVAL or -ENOSYS where the file system has no such call.
 Outcome rename_to_free(const std::string& from, const std::string& to);
+/// Swaps two names, both there, at once; -EINVAL or -ENOSYS where the file system cannot.
+Outcome exchange(const std::string& a, const std::string& b);
 /// Makes the names in a directory durable.
 Outcome sync_directory(const std::string& path);
 

@@ -6,10 +6,14 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
 #include <system_error>
 
 #include "io/disk.h"
@@ -23,26 +27,41 @@ int flags_of(Open how) {
   switch (how) {
     case Open::kRead:
       return O_RDONLY | O_NONBLOCK;  // or a pipe that nobody writes would stop us
-    case Open::kCreate:
-      return O_RDWR | O_CREAT | O_TRUNC;
-    case Open::kOpenOrCreate:
-      return O_RDWR | O_CREAT;
+    case Open::kCreateNew:
+      return O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW;
     case Open::kReadWrite:
-      return O_RDWR;
+      return O_RDWR | O_NOFOLLOW | O_NONBLOCK;
   }
   return O_RDONLY;
 }
 
-Outcome translate(int result, const struct stat& from, Status& out) {
-  if (result != 0) return -errno;
-  out.kind = S_ISREG(from.st_mode)   ? Kind::kFile
-             : S_ISDIR(from.st_mode) ? Kind::kDirectory
-                                     : Kind::kOther;
-  out.size = static_cast<std::uint64_t>(from.st_size);
-  out.modified_ns = from.st_mtim.tv_sec * 1'000'000'000 + from.st_mtim.tv_nsec;
-  out.device = from.st_dev;
-  out.inode = from.st_ino;
+/// What the kernel says of a file, by descriptor (path ""), or by path.
+Outcome find_status(int folder, const char* path, int flags, Status& out) {
+  struct statx found {};
+  if (::statx(folder, path, flags, STATX_BASIC_STATS, &found) != 0) return -errno;
+  out.kind = S_ISREG(found.stx_mode)   ? Kind::kFile
+             : S_ISDIR(found.stx_mode) ? Kind::kDirectory
+             : S_ISLNK(found.stx_mode) ? Kind::kLink
+                                       : Kind::kOther;
+  out.size = found.stx_size;
+  out.modified_ns = found.stx_mtime.tv_sec * 1'000'000'000 + found.stx_mtime.tv_nsec;
+  out.device = makedev(found.stx_dev_major, found.stx_dev_minor);
+  out.inode = found.stx_ino;
+  out.links = found.stx_nlink;
+  out.mounted = (found.stx_attributes & STATX_ATTR_MOUNT_ROOT) != 0;
   return 0;
+}
+
+/// "1: FLOCK  ADVISORY  WRITE 5671 fe:00:10952733 0 EOF": the process, where the lock is one of
+/// flock() on a file of this number.
+Outcome holder_in(const std::string& line, std::uint64_t inode) {
+  std::istringstream words(line);
+  std::string number, kind, mode, access, file;
+  std::int64_t process = 0;
+  words >> number >> kind >> mode >> access >> process >> file;
+  const std::size_t colon = file.find_last_of(':');
+  if (!words || kind != "FLOCK" || process <= 0 || colon == std::string::npos) return -ESRCH;
+  return file.substr(colon + 1) == std::to_string(inode) ? process : -ESRCH;
 }
 
 }  // namespace
@@ -71,16 +90,22 @@ Outcome lock(int descriptor, Lock kind) {
   return outcome(::flock(descriptor, (kind == Lock::kShared ? LOCK_SH : LOCK_EX) | LOCK_NB));
 }
 
+Outcome lock_holder(int descriptor) {
+  Status file;
+  if (const Outcome found = status(descriptor, file); found < 0) return found;
+  // The device is not compared: file systems with subvolumes give another one here.
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);)
+    if (const Outcome process = holder_in(line, file.inode); process > 0) return process;
+  return -ESRCH;
+}
+
 Outcome status(int descriptor, Status& out) {
-  struct stat found {};
-  return translate(::fstat(descriptor, &found), found, out);
+  return find_status(descriptor, "", AT_EMPTY_PATH, out);
 }
 
 Outcome status(const std::string& path, Links links, Status& out) {
-  struct stat found {};
-  const int result =
-      links == Links::kFollow ? ::stat(path.c_str(), &found) : ::lstat(path.c_str(), &found);
-  return translate(result, found, out);
+  return find_status(AT_FDCWD, path.c_str(), links == Links::kKeep ? AT_SYMLINK_NOFOLLOW : 0, out);
 }
 
 Outcome list(const std::string& path, std::vector<std::string>& names) {
@@ -112,6 +137,10 @@ Outcome rename(const std::string& from, const std::string& to) {
 
 Outcome rename_to_free(const std::string& from, const std::string& to) {
   return outcome(::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE));
+}
+
+Outcome exchange(const std::string& a, const std::string& b) {
+  return outcome(::renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE));
 }
 
 Outcome sync_directory(const std::string& path) {

@@ -23,23 +23,34 @@ disk::Outcome open_descriptor(const std::string& path, disk::Open how) {
   return disk::uninterrupted([&] { return disk::open(path, how); });
 }
 
+/// Of a name in a folder of pss's own.
+Error in_the_way(const std::string& path) {
+  return {Fault::kFailed, fmt::format("{}: found a link or no regular file, expected a file of "
+                                      "pss's own, with one name; move it elsewhere",
+                                      path)};
+}
+
 bool past_the_largest(std::uint64_t offset, std::size_t size) {
   return offset > kLargestOffset || size > kLargestOffset - offset;
 }
 
 }  // namespace
 
-File::File(std::int64_t descriptor, std::string path)
-    : descriptor_(static_cast<int>(descriptor)), path_(std::move(path)) {}
+File::File(std::int64_t descriptor, std::string path, std::string called)
+    : descriptor_(static_cast<int>(descriptor)),
+      path_(std::move(path)),
+      called_(std::move(called)) {}
 
 File::File(File&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       path_(std::move(other.path_)),
+      called_(std::move(other.called_)),
       lost_(other.lost_) {}
 
 File& File::operator=(File&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(path_, other.path_);
+  std::swap(called_, other.called_);
   std::swap(lost_, other.lost_);
   return *this;
 }
@@ -51,7 +62,7 @@ File::~File() {
 Result<File> File::open(const std::string& path) {
   const disk::Outcome descriptor = open_descriptor(path, disk::Open::kRead);
   if (descriptor < 0) return failure("open", path, descriptor);
-  File file(descriptor, path);
+  File file(descriptor, path, path);
   disk::Status status;
   if (const auto outcome = disk::status(file.descriptor_, status); outcome < 0)
     return failure("open", path, outcome);
@@ -63,28 +74,36 @@ Result<File> File::open(const std::string& path) {
   return file;
 }
 
-Result<File> File::create(const std::string& path) {
-  const disk::Outcome descriptor = open_descriptor(path, disk::Open::kCreate);
+Result<File> File::create(const std::string& path, const std::string& called) {
+  const disk::Outcome descriptor = open_descriptor(path, disk::Open::kCreateNew);
   if (descriptor < 0) return failure("create", path, descriptor);
-  return File(descriptor, path);
+  return File(descriptor, path, called);
 }
 
-Result<File> File::open_or_create(const std::string& path) {
-  const disk::Outcome descriptor = open_descriptor(path, disk::Open::kOpenOrCreate);
-  if (descriptor < 0) return failure("open for writing", path, descriptor);
-  return File(descriptor, path);
+Result<File> File::create_anew(const std::string& path) {
+  disk::Status status;
+  const bool there = disk::status(path, disk::Links::kKeep, status) == 0;
+  if (there && status.kind != disk::Kind::kFile) return in_the_way(path);
+  if (there) PSS_TRY(remove_file(path));
+  return create(path);
 }
 
 Result<File> File::open_to_write(const std::string& path) {
   const disk::Outcome descriptor = open_descriptor(path, disk::Open::kReadWrite);
+  if (descriptor == -ELOOP) return in_the_way(path);
   if (descriptor < 0) return failure("open for writing", path, descriptor);
-  return File(descriptor, path);
+  File file(descriptor, path, path);
+  disk::Status status;
+  if (const auto outcome = disk::status(file.descriptor_, status); outcome < 0)
+    return failure("open for writing", path, outcome);
+  if (status.kind != disk::Kind::kFile || status.links != 1) return in_the_way(path);
+  return file;
 }
 
 Result<FileState> File::state() const {
   disk::Status status;
   if (const auto outcome = disk::status(descriptor_, status); outcome < 0)
-    return failure("find the size", path_, outcome);
+    return failure("find the size", called_, outcome);
   return FileState{status.size, status.modified_ns};
 }
 
@@ -98,7 +117,7 @@ Result<std::size_t> File::read_some(std::uint64_t offset, std::span<std::byte> o
   while (done < out.size() && !past_the_largest(offset + done, out.size() - done)) {
     const disk::Outcome got = disk::uninterrupted(
         [&] { return disk::read(descriptor_, offset + done, out.subspan(done)); });
-    if (got < 0) return failure(fmt::format("read at offset {}", offset + done), path_, got);
+    if (got < 0) return failure(fmt::format("read at offset {}", offset + done), called_, got);
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
   }
@@ -110,18 +129,18 @@ Result<void> File::read(std::uint64_t offset, std::span<std::byte> out) const {
   if (found == out.size()) return {};
   return Error{Fault::kBadInput,
                fmt::format("{}: the file ends too early: at offset {} found {} bytes, expected {}",
-                           path_, offset, found, out.size())};
+                           called_, offset, found, out.size())};
 }
 
 Result<void> File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
-  if (lost_) return failure("write after a failed sync", path_, -EIO);
-  if (past_the_largest(offset, bytes.size())) return failure("write", path_, -EFBIG);
+  if (lost_) return failure("write after a failed sync", called_, -EIO);
+  if (past_the_largest(offset, bytes.size())) return failure("write", called_, -EFBIG);
   std::size_t done = 0;
   while (done < bytes.size()) {
     const disk::Outcome put = disk::uninterrupted(
         [&] { return disk::write(descriptor_, offset + done, bytes.subspan(done)); });
     if (put <= 0)
-      return failure(fmt::format("write at offset {}", offset + done), path_,
+      return failure(fmt::format("write at offset {}", offset + done), called_,
                      put < 0 ? put : -ENOSPC);
     done += static_cast<std::size_t>(put);
   }
@@ -129,20 +148,20 @@ Result<void> File::write(std::uint64_t offset, std::span<const std::byte> bytes)
 }
 
 Result<void> File::truncate(std::uint64_t size) {
-  if (size > kLargestOffset) return failure("resize", path_, -EFBIG);
+  if (size > kLargestOffset) return failure("resize", called_, -EFBIG);
   const disk::Outcome outcome =
       disk::uninterrupted([&] { return disk::truncate(descriptor_, size); });
-  if (outcome < 0) return failure("resize", path_, outcome);
+  if (outcome < 0) return failure("resize", called_, outcome);
   return {};
 }
 
 Result<void> File::sync() {
-  if (lost_) return failure("sync again after a failed sync", path_, -EIO);
+  if (lost_) return failure("sync again after a failed sync", called_, -EIO);
   const disk::Outcome outcome = disk::sync(descriptor_);
   if (outcome == 0) return {};
   // The kernel may have dropped the dirty pages: a second sync would succeed and lie.
   lost_ = true;
-  return failure("sync", path_, outcome);
+  return failure("sync", called_, outcome);
 }
 
 Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t limit) {
@@ -156,10 +175,13 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
   return bytes;
 }
 
+std::string replacement_of(const std::string& path) { return path + ".new"; }
+
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes) {
-  PSS_ASSIGN(OutputFile file, OutputFile::create(path, true));
-  PSS_TRY(file.append(bytes));
-  return file.finish();
+  PSS_ASSIGN(File file, File::create_anew(replacement_of(path)));
+  PSS_TRY(file.write(0, bytes));
+  PSS_TRY(file.sync());
+  return rename_file(file.path(), path);
 }
 
 }  // namespace pss

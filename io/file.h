@@ -23,9 +23,16 @@ class File {
  public:
   /// To read. What is no regular file (a directory, a pipe) is refused.
   static Result<File> open(const std::string& path);
-  static Result<File> create(const std::string& path);          ///< to read and write, emptied
-  static Result<File> open_or_create(const std::string& path);  ///< to read and write, as it is
-  static Result<File> open_to_write(const std::string& path);   ///< to read and write; it is there
+  /// To read and write, a new file: nothing that is there is ever emptied. Errors speak of it as
+  /// `called`, by the name that it will have.
+  static Result<File> create(const std::string& path, const std::string& called);
+  static Result<File> create(const std::string& path) { return create(path, path); }
+  /// The same in a folder of pss's own, where a file of this name can only be left over from a
+  /// process that was killed, and is removed.
+  static Result<File> create_anew(const std::string& path);
+  /// To read and write a file that is there. A link, also a hard one, is refused: what else leads
+  /// to the file is not pss's.
+  static Result<File> open_to_write(const std::string& path);
 
   File(File&& other) noexcept;
   File& operator=(File&& other) noexcept;
@@ -49,25 +56,41 @@ class File {
   Result<void> sync();
 
  private:
-  File(std::int64_t descriptor, std::string path);
+  File(std::int64_t descriptor, std::string path, std::string called);
   int descriptor_ = -1;
   std::string path_;
+  std::string called_;
   bool lost_ = false;  ///< a sync failed
 };
 
-/// Renames and makes the new name durable.
+/// Renames, replacing what has the new name, and makes the new name durable.
 Result<void> rename_file(const std::string& from, const std::string& to);
+/// The same for a name that is free. Errors: kFailed where it is not, also if it was a moment ago.
+Result<void> rename_to_free_name(const std::string& from, const std::string& to);
+/// Swaps two names at once, durably; false where the file system cannot do that.
+Result<bool> exchange_names(const std::string& a, const std::string& b);
 /// Makes the names in a directory durable.
 Result<void> sync_directory(const std::string& path);
 /// Makes a directory and those above it, and their names durable.
 Result<void> make_directories(const std::string& path);
 /// The names in a directory, sorted.
 Result<std::vector<std::string>> list_directory(const std::string& path);
-/// Removes a file or a whole directory; a missing one is no error.
-Result<void> remove_all(const std::string& path);
+/// Makes a directory of pss's own, durably, or finds that it is there. Errors: kFailed for a link.
+Result<void> make_own_directory(const std::string& path);
+/// Removes a file's name; a missing one is no error.
+Result<void> remove_file(const std::string& path);
+/// Removes a directory of pss's own with the files that `is_ours` knows by their names; a missing
+/// one is no error.
+///
+/// Errors: kFailed, with nothing removed, where it holds anything else, or is a link.
+Result<void> remove_own_directory(const std::string& path,
+                                  const std::function<bool(const std::string& name)>& is_ours);
 /// Whether a path is there. Where that cannot be told it counts as there: opening it says why not.
 bool exists(const std::string& path);
 bool is_directory(const std::string& path);
+bool is_link(const std::string& path);
+/// The path without links and dots, as far as it exists.
+std::string real_path_of(const std::string& path);
 /// Whether two paths lead to one file.
 bool same_file(const std::string& a, const std::string& b);
 /// Whether a path leads to a place in a folder, or to the folder itself, links followed.
@@ -79,50 +102,18 @@ bool same_disk(const std::string& a, const std::string& b);
 /// The directory part of a path, "." where there is none.
 std::string directory_of(const std::string& path);
 
+/// Whether a name is `prefix` and a number of six digits or more.
+bool is_numbered(std::string_view name, std::string_view prefix);
+
 /// Whether a path names a store of tiles, there or not: it ends in ".pss", or ".pss/".
 bool is_store_name(std::string_view path);
 
 /// Reads a whole small file; one larger than `limit` is an error.
 Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t limit);
-/// Writes a whole small file: a new one beside it, synced, then renamed over it.
+/// Writes a whole small file in a folder of pss's own: a new one beside it, synced, then renamed
+/// over it.
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes);
-
-/// What happens between a file's last sync and its renaming; its failure keeps the name away.
-using BeforeRename = std::function<Result<void>(const std::string& part)>;
-
-/// Writes a file front to back through a buffer of 1 MiB, as NAME.part until finish() renames it.
-///
-/// Unless finished, NAME.part is removed when this goes.
-/// Errors: kFailed where NAME exists and `overwrite` is false, by create() and again by finish().
-class OutputFile {
- public:
-  /// `before_rename` is called with the name of the complete, synced file just before it gets
-  /// its own: a job can note what is about to appear there.
-  static Result<OutputFile> create(const std::string& path, bool overwrite,
-                                   BeforeRename before_rename = {});
-  OutputFile(OutputFile&& other) noexcept;
-  OutputFile& operator=(OutputFile&&) = delete;
-  ~OutputFile();
-
-  const std::string& path() const { return path_; }
-  std::uint64_t position() const { return position_; }
-
-  Result<void> append(std::span<const std::byte> bytes);
-  Result<void> append(std::string_view text);
-  /// Overwrites bytes already appended.
-  Result<void> patch(std::uint64_t offset, std::span<const std::byte> bytes);
-  Result<void> finish();
-
- private:
-  OutputFile(File file, std::string path, bool overwrite, BeforeRename before_rename);
-  Result<void> flush();
-  std::string path_;
-  bool overwrite_ = false;
-  BeforeRename before_rename_;
-  File file_;
-  std::vector<std::byte> buffer_;
-  std::uint64_t position_ = 0;
-  bool finished_ = false;
-};
+/// The name of that new one until then.
+std::string replacement_of(const std::string& path);
 
 }  // namespace pss

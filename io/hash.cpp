@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <xxhash.h>
 
+#include <charconv>
 #include <new>
 
 namespace pss {
@@ -18,6 +19,15 @@ std::uint64_t hash64(std::span<const std::byte> bytes, std::uint64_t seed) {
 
 std::string to_string(const Hash128& hash) {
   return fmt::format("{:016x}{:016x}", hash.high, hash.low);
+}
+
+Hash128 hash128_from(std::string_view digits) {
+  constexpr std::size_t kHalf = 16;
+  Hash128 hash;
+  if (digits.size() != 2 * kHalf) return hash;
+  std::from_chars(digits.data(), digits.data() + kHalf, hash.high, 16);
+  std::from_chars(digits.data() + kHalf, digits.data() + 2 * kHalf, hash.low, 16);
+  return hash;
 }
 
 void StreamHash::Free::operator()(State* state) const { XXH3_freeState(xxh(state)); }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace pss {
 
@@ -20,6 +21,8 @@ struct Hash128 {
 
 /// 32 hexadecimal digits, as xxhsum prints them.
 std::string to_string(const Hash128& hash);
+/// Reads them again; another text gives a hash that nothing has but by chance.
+Hash128 hash128_from(std::string_view digits);
 
 /// The 128-bit hash of a stream of bytes, however it is cut into pieces.
 class StreamHash {

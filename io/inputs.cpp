@@ -109,6 +109,10 @@ Result<void> check_output(std::span<const std::string> inputs, const std::string
                    fmt::format("{}: is an input, {}; an input is never replaced, choose another "
                                "output",
                                output, input)};
+  for (const std::string& input : inputs)
+    if (is_directory(input) && lies_in(output, input))
+      return Error{Fault::kUsage, fmt::format("{}: lies in the input {}; choose another output",
+                                              output, input)};
   const std::string folder = directory_of(output);
   if (is_directory(folder)) return {};
   return failed(output, "its folder is missing; make it, or choose another output");

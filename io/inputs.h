@@ -21,7 +21,8 @@ namespace pss {
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
                                                const std::string& output = {});
 
-/// Refuses, before any work, an output that is one of the inputs or lies in a missing folder.
+/// Refuses, before any work, an output that is one of the inputs, or lies in one that is a store, or
+/// in a missing folder.
 ///
 /// Errors: kUsage for an input, by whatever name or link; kFailed for the folder.
 Result<void> check_output(std::span<const std::string> inputs, const std::string& output);

@@ -10,7 +10,7 @@
 
 #include "io/announced_count.h"
 #include "io/bytes.h"
-#include "io/file.h"
+#include "io/output_file.h"
 #include "io/las_plan.h"
 #include "io/las_schema.h"
 #include "io/las_vlr.h"
@@ -237,7 +237,7 @@ Result<void> check_options(const WriteOptions& options) {
 Result<std::unique_ptr<Writer>> create_las(const std::string& path, const WriteOptions& options) {
   PSS_TRY(check_options(options));
   PSS_ASSIGN(LasPlan plan, plan_las(path, options));
-  PSS_ASSIGN(OutputFile file, OutputFile::create(path, options.overwrite, options.before_rename));
+  PSS_ASSIGN(OutputFile file, OutputFile::create(path, options.rules));
   auto writer = std::make_unique<LasWriter>(std::move(file), std::move(plan), options);
   PSS_TRY(writer->begin());
   return std::unique_ptr<Writer>(std::move(writer));

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "io/announced_count.h"
-#include "io/file.h"
+#include "io/output_file.h"
 #include "io/numbers.h"
 #include "io/ply_plan.h"
 #include "io/positions.h"
@@ -171,7 +171,7 @@ Result<void> PlyWriter::finish() {
 
 Result<std::unique_ptr<Writer>> create_ply(const std::string& path, const WriteOptions& options) {
   PSS_ASSIGN(PlyPlan plan, plan_ply(path, options));
-  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite, options.before_rename));
+  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.rules));
   auto writer = std::make_unique<PlyWriter>(std::move(output), std::move(plan), options);
   PSS_TRY(writer->start());
   return std::unique_ptr<Writer>(std::move(writer));

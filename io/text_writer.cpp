@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "io/announced_count.h"
-#include "io/file.h"
+#include "io/output_file.h"
 #include "io/numbers.h"
 #include "io/positions.h"
 #include "io/text_plan.h"
@@ -118,7 +118,7 @@ Result<void> TextWriter::finish() {
 
 Result<std::unique_ptr<Writer>> create_text(const std::string& path, const WriteOptions& options) {
   PSS_ASSIGN(TextPlan plan, plan_text(path, options));
-  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.overwrite, options.before_rename));
+  PSS_ASSIGN(OutputFile output, OutputFile::create(path, options.rules));
   auto writer = std::make_unique<TextWriter>(std::move(output), std::move(plan), options);
   PSS_TRY(writer->start());
   return std::unique_ptr<Writer>(std::move(writer));

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "io/file.h"
+#include "io/output_file.h"
 #include "io/points.h"
 
 namespace pss {
@@ -26,8 +26,7 @@ struct WriteOptions {
   /// The points to come are those of the carried header's file, all and in order: what its header
   /// says of them (bounds, counts) stays as it is.
   bool same_points = false;
-  bool overwrite = false;           ///< whether a file of this name may be replaced at the end
-  BeforeRename before_rename = {};  ///< called when the file is whole, before it gets its name
+  OutputRules rules;  ///< of the file that appears
 };
 
 class Writer {
@@ -45,7 +44,7 @@ class Writer {
   /// Errors: kBadInput where a position cannot be held by the format; kFailed for I/O.
   virtual Result<void> write(const PointBatch& batch) = 0;
 
-  /// Completes the header, syncs, and renames NAME.part to NAME. Without it NAME.part is removed.
+  /// Completes the header, syncs, and gives the file its name. Without it nothing stays.
   virtual Result<void> finish() = 0;
 };
 

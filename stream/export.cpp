@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "io/inputs.h"
 #include "io/writer.h"
 
 namespace pss {
@@ -57,8 +59,7 @@ WriteOptions write_options(const Store& store, Format format, const ExportOption
   write.count = store.points();
   write.carry = header.carry;
   write.bounds = world_bounds(header.lattice, bounds_of(store));
-  write.overwrite = options.overwrite;
-  write.before_rename = options.before_rename;
+  write.rules = options.rules;
   // Positions that came as floating point are known to half a step of their lattice.
   if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
   const auto grid = export_grid(header, bounds_of(store), 0, format, options);
@@ -113,6 +114,7 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
         Fault::kMemoryLimit,
         fmt::format("{}: blocks of rows of {} bytes do not fit; use a larger --memory-limit",
                     store.path(), store.header().schema.row_size())};
+  PSS_TRY(check_output(std::array{store.path()}, output));
   PSS_ASSIGN(const Format format, format_for(output));
   PSS_ASSIGN(const std::unique_ptr<Writer> writer,
              create_writer(output, write_options(store, format, options)));

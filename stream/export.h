@@ -8,7 +8,7 @@
 
 #include "core/monitor.h"
 #include "core/result.h"
-#include "io/file.h"
+#include "io/output_file.h"
 #include "stream/memory.h"
 #include "stream/store.h"
 
@@ -18,8 +18,7 @@ struct ExportOptions {
   std::optional<World3> scale;   ///< LAS; default: the source file's, or one chosen for the bounds
   bool scale_auto = false;       ///< LAS: the finest scale that holds the bounds
   std::optional<World3> offset;  ///< LAS
-  bool overwrite = false;
-  BeforeRename before_rename = {};  ///< called when the file is whole, before it gets its name
+  OutputRules rules;             ///< of the file that appears
 };
 
 struct ExportSummary {

@@ -74,7 +74,7 @@ class Ingest {
   const Schema& schema() const { return plan_.header.schema; }
 
   Result<IngestSummary> finished(const StoreWriter& store) const {
-    PSS_TRY(remove_all(runs_folder(work_dir_)));
+    PSS_TRY(remove_runs(runs_folder(work_dir_)));
     return ingest_summary_from_json(store.summary());
   }
 
@@ -280,7 +280,7 @@ class Ingest {
           fmt::format("{}: {} points stored, {} read and {} dropped; use --restart", store_path_,
                       summary_.points_stored, summary_.points_read, summary_.dropped_not_finite)};
     PSS_TRY(store_->finish(stored_summary(summary_)));
-    PSS_TRY(remove_all(runs_folder(work_dir_)));
+    PSS_TRY(remove_runs(runs_folder(work_dir_)));
     return summary_;
   }
 

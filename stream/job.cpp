@@ -3,77 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "io/fingerprint.h"
-#include "io/hash.h"
-#include "stream/shallow_json.h"
+#include "io/file.h"
+#include "stream/finished.h"
+#include "stream/manifest.h"
 #include "stream/store_writer.h"
 
 namespace pss {
 namespace {
 
-using nlohmann::json;
-
-constexpr std::uint64_t kLargestRecord = 64u << 20;
 /// Of an input, as a name, a fingerprint, what is kept of its header, and JSON; and of its path, so
 /// many copies. Measured: 2.4 KB for a path of 110 bytes.
 constexpr std::uint64_t kInputBytes = 1600;
 constexpr std::uint64_t kPathCopies = 8;
-
-std::string record_path(const std::string& work_dir) { return work_dir + "/job.json"; }
-
-json to_json(const InputRecord& record) {
-  return {{"path", record.path},
-          {"size", record.size},
-          {"modified_ns", record.modified_ns},
-          {"content_hash", record.content_hash}};
-}
-
-InputRecord input_from(const json& j) {
-  return {j.at("path").get<std::string>(), j.at("size").get<std::uint64_t>(),
-          j.at("modified_ns").get<std::int64_t>(), j.at("content_hash").get<std::uint64_t>()};
-}
-
-std::string dumped(const json& j) {
-  return j.dump(1, ' ', false, json::error_handler_t::replace) + "\n";
-}
-
-/// Of all values of a record, whatever the white space between them.
-std::string checksum_of(const json& j) {
-  const std::string text = dumped(j);
-  return fmt::format("{:016x}", hash64(std::as_bytes(std::span(text))));
-}
-
-std::string to_text(const JobRecord& record) {
-  json inputs = json::array();
-  for (const InputRecord& input : record.inputs) inputs.push_back(to_json(input));
-  json j = {{"format", 1},
-            {"command", record.command},
-            {"output", record.output},
-            {"parameters", json::parse(record.parameters)},
-            {"inputs", inputs},
-            {"complete", record.complete}};
-  if (record.result) j["result"] = to_json(*record.result);
-  j["checksum"] = checksum_of(j);
-  return dumped(j);
-}
-
-Error damaged(const std::string& path, const std::string& what) {
-  return {Fault::kBadInput, fmt::format("{}: damaged at offset 0: {}; use --restart", path, what)};
-}
-
-JobRecord record_from(const json& j) {
-  JobRecord record;
-  record.command = j.at("command").get<std::string>();
-  record.output = j.at("output").get<std::string>();
-  record.parameters = j.at("parameters").dump();
-  for (const json& input : j.at("inputs")) record.inputs.push_back(input_from(input));
-  record.complete = j.at("complete").get<bool>();
-  if (j.contains("result")) record.result = input_from(j.at("result"));
-  return record;
-}
 
 Error other_job(const std::string& work_dir, const std::string& difference) {
   return {Fault::kFailed,
@@ -87,126 +30,40 @@ std::string witness_of(const std::string& output) {
   return is_store_name(output) ? manifest_path(output) : output;
 }
 
-/// Refuses a directory without a job's record that holds anything else.
-Result<void> check_work_directory(const std::string& path) {
-  if (exists(record_path(path))) return {};
-  if (!is_directory(path)) return {};
-  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
-  for (const std::string& name : names)
-    if (name != "lock" && name != "job.json.part")
-      return Error{Fault::kFailed,
-                   fmt::format("{}: found {}, expected an empty or new work directory; use another "
-                               "--work-dir",
-                               path, name)};
-  return {};
+/// The first input that is no longer what the record says, in words; empty where all are.
+std::string changed_input(const JobRecord& record) {
+  for (const InputRecord& input : record.inputs) {
+    const auto now = fingerprint(input.path);
+    if (!now || *now != input) return fmt::format("{} has changed while it was read", input.path);
+  }
+  return "";
 }
 
 }  // namespace
 
-Result<void> check_same_job(const JobRecord& then, const JobRecord& now,
-                            const std::string& work_dir) {
-  if (then.command != now.command)
-    return other_job(work_dir, fmt::format("command {} before, {} now", then.command, now.command));
-  if (then.output != now.output)
-    return other_job(work_dir, fmt::format("output {} before, {} now", then.output, now.output));
-  const json before = json::parse(then.parameters);
-  const json after = json::parse(now.parameters);
-  for (const auto& [name, value] : after.items())
-    if (const json was = before.value(name, json()); was != value)
-      return other_job(work_dir,
-                       fmt::format("--{} was {}, is {} now", name, was.dump(), value.dump()));
-  if (then.inputs.size() != now.inputs.size())
-    return other_job(work_dir, fmt::format("{} input files before, {} now", then.inputs.size(),
-                                           now.inputs.size()));
-  for (std::size_t i = 0; i < now.inputs.size(); ++i)
-    if (then.inputs[i] != now.inputs[i])
-      return other_job(work_dir, then.inputs[i].path == now.inputs[i].path
-                                     ? fmt::format("input {} has changed", now.inputs[i].path)
-                                     : fmt::format("input {} before, {} now", then.inputs[i].path,
-                                                   now.inputs[i].path));
-  return {};
-}
-
-bool wrote(const JobRecord& record, const std::string& path) {
-  if (!record.result) return false;
-  const Result<InputRecord> now = fingerprint(path);
-  return now && now->size == record.result->size &&
-         now->modified_ns == record.result->modified_ns &&
-         now->content_hash == record.result->content_hash;
-}
-
-Result<WorkDirectory> WorkDirectory::open(const std::string& path) {
-  PSS_TRY(make_directories(path));
-  PSS_ASSIGN(FileLock lock, FileLock::take(path + "/lock"));
-  return WorkDirectory(path, std::move(lock));
-}
-
-Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir) {
-  const std::string path = record_path(work_dir);
-  if (!exists(path)) return std::optional<JobRecord>();
-  PSS_ASSIGN(const std::vector<std::byte> bytes, read_whole(path, kLargestRecord));
-  try {
-    json j = parse_shallow<json>({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    const auto expected = j.at("checksum").get<std::string>();
-    j.erase("checksum");
-    if (checksum_of(j) != expected)
-      return damaged(path, fmt::format("the {} bytes do not match their checksum", bytes.size()));
-    return std::optional(record_from(j));
-  } catch (const json::exception& e) {
-    return damaged(path, fmt::format("found no job record ({})", e.what()));
-  }
-}
-
-Result<std::optional<JobRecord>> WorkDirectory::read_record() const {
-  return read_job_record(path_);
-}
-
-Result<void> WorkDirectory::write_record(const JobRecord& record) const {
-  const std::string text = to_text(record);
-  return replace_file(record_path(path_), std::as_bytes(std::span(text)));
-}
-
-Result<void> WorkDirectory::remove_sources() const {
-  for (const char* name : {"/runs", "/input.pss", "/normals.pss"})
-    PSS_TRY(remove_all(path_ + name));
-  return {};
-}
-
-Result<void> WorkDirectory::remove_data() const {
-  PSS_TRY(remove_sources());
-  return remove_all(result_store());
-}
-
-Result<void> WorkDirectory::clear() const {
-  PSS_TRY(remove_data());
-  // Order: the data is gone before the record that tells whose it was. Otherwise a power cut could
-  // leave data that belongs to no job.
-  PSS_TRY(sync_directory(path_));
-  PSS_TRY(remove_all(record_path(path_)));
-  return sync_directory(path_);
-}
-
-std::optional<std::string> job_holder(const std::string& work_dir) {
-  return lock_holder(work_dir + "/lock");
-}
-
 Result<void> check_places(const JobPlaces& places) {
-  for (const std::string& input : places.inputs)
-    if (lies_in(input, places.work_dir))
+  const std::string work_dir = places.work_directory();
+  for (const std::string& input : places.inputs) {
+    if (lies_in(input, work_dir))
       return Error{Fault::kUsage, fmt::format("{}: lies in the work directory {}; use another "
                                               "--work-dir",
-                                              input, places.work_dir)};
-  if (lies_in(places.output, places.work_dir))
+                                              input, work_dir)};
+    if (is_directory(places.output) && lies_in(input, places.output))
+      return Error{Fault::kUsage,
+                   fmt::format("{}: lies in {}, which is to be replaced; choose another output",
+                               input, places.output)};
+  }
+  if (lies_in(places.output, work_dir))
     return Error{Fault::kUsage,
                  fmt::format("{}: the output lies in the work directory {}; use another --work-dir",
-                             places.output, places.work_dir)};
-  if (is_store_name(places.output) && !same_disk(places.work_dir, directory_of(places.output)))
+                             places.output, work_dir)};
+  if (is_store_name(places.output) && !same_disk(work_dir, directory_of(places.output)))
     return Error{
         Fault::kUsage,
         fmt::format("--work-dir {}: lies on another disk than {}, which a store is renamed "
                     "to; use one on the same disk",
-                    places.work_dir, places.output)};
-  return check_work_directory(places.work_dir);
+                    work_dir, places.output)};
+  return check_work_directory(work_dir);
 }
 
 Result<Reservation> reserve_names(const std::vector<std::string>& inputs, MemoryBudget& budget) {
@@ -220,45 +77,145 @@ Result<Reservation> reserve_names(const std::vector<std::string>& inputs, Memory
                            ((budget.limit() + bytes - budget.available()) >> 20) + 1)};
 }
 
-Result<Entry> enter_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record) {
-  auto found = work.read_record();
-  // A record that is damaged is in nobody's way who starts over.
-  if (!found && !(places.restart && found.error().fault == Fault::kBadInput)) return found.error();
-  std::optional<JobRecord> before = found ? *std::move(found) : std::nullopt;
-  const bool known = before && wrote(*before, witness_of(places.output));
-  if (known && !places.restart && check_same_job(*before, record, work.path())) {
-    PSS_TRY(leave_job(places, work, record));
-    return Entry::kComplete;
+Job::Job(const JobPlaces& places, JobRecord record, OutputLock lock, Monitor& monitor)
+    : places_(places), record_(std::move(record)), lock_(std::move(lock)), monitor_(&monitor) {}
+
+Result<Job> Job::enter(const JobPlaces& places, JobRecord record, Monitor& monitor) {
+  PSS_TRY(check_places(places));
+  PSS_ASSIGN(OutputLock lock, OutputLock::take(places.output));
+  Job job(places, std::move(record), std::move(lock), monitor);
+  PSS_ASSIGN(job.complete_, job.is_complete());
+  if (job.complete_) {
+    PSS_TRY(job.leave());
+    return job;
   }
-  if (exists(places.output) && !places.overwrite)
+  PSS_TRY(job.check_output_name());
+  if (auto opened = job.open_work(); !opened) return job.fail(std::move(opened).error());
+  return job;
+}
+
+/// Whether OUTPUT is what this very job made of these very inputs, by the record in the work
+/// directory, or, where that is gone, by the one in the state folder.
+Result<bool> Job::is_complete() {
+  if (places_.restart) return false;
+  PSS_ASSIGN(const std::optional<JobRecord> before, read_job_record(places_.work_directory()));
+  if (before) {
+    if (!before->result || !difference(*before, record_).empty()) return false;
+    PSS_ASSIGN(const bool there, has_content(*before->result));
+    if (!there) return false;
+    PSS_ASSIGN(WorkDirectory work, WorkDirectory::open(places_.work_directory()));
+    work_.emplace(std::move(work));
+    record_.result = before->result;
+    return true;
+  }
+  const auto finished = recall_finished(places_.state_folder, places_.output);
+  if (!finished || finished->identity != identity_of(record_)) return false;
+  record_.result = finished->content;
+  return has_content(finished->content);
+}
+
+Result<bool> Job::has_content(const FileContent& content) const {
+  const std::string witness = witness_of(places_.output);
+  const auto now = fingerprint(witness);
+  if (!now || now->size != content.size) return false;
+  monitor_->begin("check", 0);
+  PSS_ASSIGN(const FileContent found, content_of(witness, *monitor_));
+  return same_bytes(found, content);
+}
+
+Result<void> Job::check_output_name() const {
+  if (!is_store_name(places_.output)) return check_replaceable(places_.output, places_.overwrite);
+  if (exists(places_.output) && !places_.overwrite)
     return Error{Fault::kFailed,
-                 fmt::format("{}: exists; use --overwrite to replace it", places.output)};
+                 fmt::format("{}: exists; use --overwrite to replace it", places_.output)};
+  return check_removable(places_.output);
+}
+
+Result<void> Job::open_work() {
+  PSS_ASSIGN(WorkDirectory work, WorkDirectory::open(places_.work_directory()));
+  work_.emplace(std::move(work));
+  PSS_ASSIGN(const std::optional<JobRecord> before, work_->read_record());
+  if (before) PSS_TRY(take_over(*before));
+  PSS_TRY(work_->write_record(record_));
+  entered_ = true;
+  return is_store_name(places_.output) ? work_->probe_rename(lock_.temporary()) : Result<void>();
+}
+
+/// Goes on with what an earlier job left, or discards it.
+Result<void> Job::take_over(const JobRecord& before) {
   // A complete job here has lost its output, or is to be done again.
-  if (places.restart || (before && before->complete)) {
-    PSS_TRY(work.clear());
-    before.reset();
+  if (places_.restart || before.discarding) return work_->clear(before);
+  if (before.complete && (!work_->has_work() || difference(before, record_).empty()))
+    return work_->clear(before);
+  if (!before.spoiled.empty())
+    return Error{Fault::kFailed, fmt::format("{}: cannot go on: {}; use --restart to begin again",
+                                             work_->path(), before.spoiled)};
+  // What is sorted serves other parameters as well, as long as nothing is computed with the first.
+  const bool sorted_only = !work_->has_results() && !before.result;
+  const std::string other =
+      sorted_only ? sorting_difference(before, record_) : difference(before, record_);
+  if (!other.empty()) return other_job(work_->path(), other);
+  record_.result = before.result;
+  resumed_ = true;
+  return {};
+}
+
+OutputRules Job::output_rules() {
+  return {places_.overwrite, &lock_, [this](const WrittenFile& written) {
+            record_.result = written.content;
+            return work_->write_record(record_);
+          }};
+}
+
+Result<void> Job::hand_over_store(const std::string& store) {
+  // Recorded before it is renamed: stopped in between, the job knows its output again.
+  PSS_ASSIGN(record_.result, content_of(manifest_path(store), *monitor_));
+  PSS_TRY(work_->write_record(record_));
+  if (!exists(places_.output) || !places_.overwrite)
+    return rename_to_free_name(store, places_.output);
+  PSS_TRY(check_removable(places_.output));
+  return replace_store(store);
+}
+
+/// The old store goes into the work directory, and from there once all is done.
+Result<void> Job::replace_store(const std::string& store) {
+  PSS_ASSIGN(const bool exchanged, exchange_names(store, places_.output));
+  if (exchanged) return {};
+  PSS_TRY(rename_to_free_name(places_.output, work_->replaced_store()));
+  const Result<void> renamed = rename_to_free_name(store, places_.output);
+  if (!renamed) PSS_TRY(rename_to_free_name(work_->replaced_store(), places_.output));
+  return renamed;
+}
+
+Result<void> Job::leave() {
+  record_.complete = true;
+  if (!places_.work_dir.empty() || places_.keep_work) {
+    if (!work_) return {};
+    PSS_TRY(work_->write_record(record_));
+    return places_.keep_work ? Result<void>() : work_->remove_data();
   }
-  if (before) PSS_TRY(check_same_job(*before, record, work.path()));
-  PSS_TRY(work.write_record(record));
-  return before ? Entry::kResumed : Entry::kNew;
+  if (!work_) return {};
+  // Order: it is remembered that OUTPUT is complete before the record here that says so goes.
+  const FinishedOutput finished{identity_of(record_), *record_.result};
+  const auto remembered = remember_finished(places_.state_folder, places_.output, finished);
+  if (!remembered)
+    monitor_->note(fmt::format("the same command will not know that {} is complete: {}",
+                               places_.output, remembered.error().message));
+  Result<void> removed = WorkDirectory::remove(*std::move(work_), record_);
+  work_.reset();
+  return removed;
 }
 
-Result<void> record_result(const WorkDirectory& work, JobRecord& record, const std::string& file) {
-  PSS_ASSIGN(record.result, fingerprint(file));
-  return work.write_record(record);
-}
-
-Result<void> hand_over_store(const std::string& store, const JobPlaces& places,
-                             const WorkDirectory& work, JobRecord& record) {
-  PSS_TRY(record_result(work, record, manifest_path(store)));
-  if (places.overwrite) PSS_TRY(remove_store(places.output));
-  return rename_file(store, places.output);
-}
-
-Result<void> leave_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record) {
-  record.complete = true;
-  PSS_TRY(record_result(work, record, witness_of(places.output)));
-  return places.keep_work ? Result<void>() : work.remove_data();
+Error Job::fail(Error why) {
+  if (!entered_ || !work_) return why;  // the directory may hold another job
+  if (!work_->has_work()) {
+    static_cast<void>(WorkDirectory::remove(*std::move(work_), record_));
+    work_.reset();
+  } else if (why.fault != Fault::kInterrupted && record_.spoiled.empty()) {
+    record_.spoiled = changed_input(record_);
+    if (!record_.spoiled.empty()) static_cast<void>(work_->write_record(record_));
+  }
+  return why;
 }
 
 }  // namespace pss

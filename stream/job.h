@@ -1,81 +1,40 @@
 #pragma once
-// A job's work directory: one process at a time, and a record of what the job is.
+// A job from its start to its end: what it may do with the places it was given, and what it leaves.
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "core/monitor.h"
 #include "core/result.h"
-#include "io/file.h"
-#include "io/file_lock.h"
-#include "stream/manifest.h"
+#include "io/output_file.h"
+#include "io/output_lock.h"
+#include "stream/job_record.h"
 #include "stream/memory.h"
+#include "stream/work_directory.h"
 
 namespace pss {
-
-/// What a work directory belongs to. Kept in WORKDIR/job.json.
-struct JobRecord {
-  std::string command;
-  std::string output;
-  std::string parameters;  ///< JSON object: all that the result depends on
-  std::vector<InputRecord> inputs;
-  bool complete = false;
-  std::optional<InputRecord> result;  ///< OUTPUT, or its store's manifest, once written
-};
-
-/// Errors where `now` is another job than `then`: the first difference, by name.
-Result<void> check_same_job(const JobRecord& then, const JobRecord& now,
-                            const std::string& work_dir);
-
-/// Whether the file at `path` is the one that the job wrote and recorded.
-bool wrote(const JobRecord& record, const std::string& path);
-
-/// The work directory of a running job, locked as long as this lives.
-class WorkDirectory {
- public:
-  /// Makes the directory where it is missing, and takes its lock.
-  ///
-  /// Errors: kFailed where another process holds the lock (with pid and host), or for I/O.
-  static Result<WorkDirectory> open(const std::string& path);
-
-  const std::string& path() const { return path_; }
-  std::string input_store() const { return path_ + "/input.pss"; }
-  std::string normals_store() const { return path_ + "/normals.pss"; }
-  std::string result_store() const { return path_ + "/result.pss"; }
-
-  /// The record, where there is one. Errors: kBadInput where it is damaged.
-  Result<std::optional<JobRecord>> read_record() const;
-  Result<void> write_record(const JobRecord& record) const;
-
-  /// Removes what a job keeps here, the record last; nothing else that lies here is touched.
-  Result<void> clear() const;
-  /// Removes what a complete result was made from.
-  Result<void> remove_sources() const;
-  /// Removes all but the record.
-  Result<void> remove_data() const;
-
- private:
-  WorkDirectory(std::string path, FileLock lock) : path_(std::move(path)), lock_(std::move(lock)) {}
-  std::string path_;
-  FileLock lock_;
-};
 
 /// Where a job reads, works and writes, and what it may do to what is there.
 struct JobPlaces {
   std::vector<std::string> inputs;
   std::string output;
-  std::string work_dir;
+  std::string work_dir;  ///< empty: OUTPUT.work, which is gone after success
+  /// Where it is remembered that OUTPUT is complete once OUTPUT.work is gone; empty: nowhere.
+  std::string state_folder;
   bool overwrite = false;
   bool restart = false;
   bool keep_work = false;
+
+  std::string work_directory() const { return work_dir.empty() ? output + ".work" : work_dir; }
 };
 
 /// Refuses places that would endanger each other, before anything is made: an output or an input
-/// within the work directory, a work directory that holds somebody's files, a store's output on
-/// another disk than the work directory, from where it could not be renamed.
+/// within the work directory, a work directory that is not pss's own, an input within a store that
+/// is to be replaced, a store's output on another disk than the work directory, from where it could
+/// not be renamed.
 ///
-/// Errors: kUsage; kFailed for a work directory that is none.
+/// Errors: kUsage; those of check_work_directory().
 Result<void> check_places(const JobPlaces& places);
 
 /// Takes what a job holds of its inputs' names, its record in JSON among it, for as long as it
@@ -84,27 +43,48 @@ Result<void> check_places(const JobPlaces& places);
 /// Errors: kMemoryLimit, with the limit that would do for them.
 Result<Reservation> reserve_names(const std::vector<std::string>& inputs, MemoryBudget& budget);
 
-enum class Entry { kNew, kResumed, kComplete };
+/// A job that runs: it has the locks on OUTPUT and on its work directory.
+class Job {
+ public:
+  /// Finds out whether the job is new, to be resumed, complete, or another one; leaves its record.
+  ///
+  /// Errors: those of the locks and of check_places(); kFailed where OUTPUT exists and is not this
+  ///         job's, or the directory holds another job.
+  static Result<Job> enter(const JobPlaces& places, JobRecord record, Monitor& monitor);
 
-/// Finds out whether a job is new, to be resumed, complete, or another one; leaves its record.
-///
-/// Errors: kFailed where OUTPUT exists and is not this job's, or the directory holds another job.
-Result<Entry> enter_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record);
+  bool complete() const { return complete_; }  ///< OUTPUT is there, as this job writes it
+  bool resumed() const { return resumed_; }
+  const JobRecord& record() const { return record_; }
+  /// Requires: not complete().
+  const WorkDirectory& work() const { return *work_; }
 
-/// Records a complete result, before it is renamed to OUTPUT: stopped in between, the job knows
-/// its output again.
-Result<void> record_result(const WorkDirectory& work, JobRecord& record, const std::string& file);
+  /// The rules by which OUTPUT is written as a file. Requires: this stays where it is meanwhile.
+  OutputRules output_rules();
+  /// Gives a finished store in the work directory the name OUTPUT.
+  Result<void> hand_over_store(const std::string& store);
 
-/// Gives a finished store in the work directory the name OUTPUT.
-Result<void> hand_over_store(const std::string& store, const JobPlaces& places,
-                             const WorkDirectory& work, JobRecord& record);
+  /// After success: leaves OUTPUT, and what tells the same command that all is done.
+  Result<void> leave();
+  /// After a failure: leaves nothing where nothing was sorted; else what the same command goes on
+  /// with, or why it cannot, where an input has changed while it was read. Gives `why` back.
+  Error fail(Error why);
 
-/// Leaves the record that tells the same command that all is done, and little else.
-Result<void> leave_job(const JobPlaces& places, const WorkDirectory& work, JobRecord& record);
-
-/// The record in a work directory, without locking it.
-Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir);
-/// Who holds the lock of a work directory now: "process 123 on host".
-std::optional<std::string> job_holder(const std::string& work_dir);
+ private:
+  Job(const JobPlaces& places, JobRecord record, OutputLock lock, Monitor& monitor);
+  Result<bool> is_complete();
+  Result<bool> has_content(const FileContent& content) const;
+  Result<void> check_output_name() const;
+  Result<void> open_work();
+  Result<void> take_over(const JobRecord& before);
+  Result<void> replace_store(const std::string& store);
+  JobPlaces places_;
+  JobRecord record_;
+  OutputLock lock_;
+  std::optional<WorkDirectory> work_;
+  Monitor* monitor_;
+  bool complete_ = false;
+  bool entered_ = false;  ///< the work directory's record is this job's
+  bool resumed_ = false;
+};
 
 }  // namespace pss

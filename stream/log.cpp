@@ -157,7 +157,7 @@ Result<LogWriter> LogWriter::create(const std::string& path, std::uint32_t type,
   ByteWriter(bytes).raw(std::as_bytes(std::span(kName)));
   append_record(bytes, kName.size(), head, payload);
   PSS_TRY(replace_file(path, bytes));
-  PSS_ASSIGN(File file, File::open_or_create(path));
+  PSS_ASSIGN(File file, File::open_to_write(path));
   return LogWriter(std::move(file), bytes.size());
 }
 

@@ -168,4 +168,17 @@ bool is_store(const std::string& path) {
   return exists(manifest_path(path)) || exists(open_manifest_path(path));
 }
 
+bool has_manifest(const std::string& store) {
+  bool header = false;
+  for (const std::string& path : {manifest_path(store), open_manifest_path(store)}) {
+    if (!exists(path)) continue;
+    // Whatever comes after it, and whichever version it is of: the log's checksums tell.
+    static_cast<void>(read_log(path, Tail::kMayBeTorn, [&](const LogRecord& record) {
+      header = header || static_cast<RecordType>(record.type) == RecordType::kHeader;
+      return Result<void>(Error{Fault::kFailed, "seen"});
+    }));
+  }
+  return header;
+}
+
 }  // namespace pss

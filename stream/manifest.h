@@ -93,7 +93,9 @@ std::string manifest_path(const std::string& store);
 std::string open_manifest_path(const std::string& store);
 std::string segment_path(const std::string& store, std::uint32_t number);
 
-/// Whether a directory is a store, finished or not.
+/// Whether a directory is a store, finished or not, by the name of its manifest.
 bool is_store(const std::string& path);
+/// The same by the manifest's content: its first record is the header of a store.
+bool has_manifest(const std::string& path);
 
 }  // namespace pss

@@ -63,6 +63,8 @@ std::string run_path(const std::string& folder, std::uint64_t id) {
   return fmt::format("{}/run-{:06}", folder, id);
 }
 
+bool is_run_name(std::string_view name) { return is_numbered(name, "run-"); }
+
 RunWriter::RunWriter(File file, std::string folder, std::uint64_t id, std::uint64_t early_sync)
     : file_(std::move(file)), folder_(std::move(folder)), early_sync_(early_sync) {
   info_.id = id;
@@ -70,7 +72,7 @@ RunWriter::RunWriter(File file, std::string folder, std::uint64_t id, std::uint6
 
 Result<RunWriter> RunWriter::create(const std::string& folder, std::uint64_t id,
                                     std::uint64_t early_sync) {
-  PSS_ASSIGN(File file, File::create(run_path(folder, id)));
+  PSS_ASSIGN(File file, File::create_anew(run_path(folder, id)));
   return RunWriter(std::move(file), folder, id, early_sync);
 }
 

@@ -30,6 +30,8 @@ struct RunInfo {
 };
 
 std::string run_path(const std::string& folder, std::uint64_t id);
+/// Whether run_path() gives files such names: "run-000012".
+bool is_run_name(std::string_view name);
 
 /// Writes a run: points come in order, any number at a time.
 class RunWriter {

@@ -62,11 +62,28 @@ Error other_plan(const std::string& folder) {
 
 }  // namespace
 
+bool has_runs(const std::string& folder) {
+  bool any = false;
+  const auto see = [&](const LogRecord& record) {
+    any = any || static_cast<Kind>(record.type) != Kind::kPlan;
+    return Result<void>();
+  };
+  if (!exists(log_path(folder))) return false;
+  return !read_log(log_path(folder), Tail::kMayBeTorn, see) || any;  // a damaged log is no reason
+}
+
+Result<void> remove_runs(const std::string& folder) {
+  return remove_own_directory(folder, [](const std::string& name) {
+    return name == "log" || name == replacement_of("log") || is_run_name(name);
+  });
+}
+
 Result<RunLog> RunLog::open(const std::string& folder, const StoreHeader& header) {
   RunLog log;
   log.folder_ = folder;
   const auto plan = encode_header(header);
-  PSS_TRY(make_directories(folder));
+  PSS_TRY(make_directories(directory_of(folder)));
+  PSS_TRY(make_own_directory(folder));
   if (!exists(log_path(folder))) {
     PSS_ASSIGN(LogWriter writer,
                LogWriter::create(log_path(folder), static_cast<std::uint32_t>(Kind::kPlan), plan));
@@ -117,7 +134,7 @@ void RunLog::replace_in_state(std::size_t count, const RunInfo& run) {
 
 /// Only once the record of the merged run is durable: a power cut could leave neither.
 Result<void> RunLog::remove_merged() {
-  for (const RunInfo& run : merged_) PSS_TRY(remove_all(run_path(folder_, run.id)));
+  for (const RunInfo& run : merged_) PSS_TRY(remove_file(run_path(folder_, run.id)));
   merged_.clear();
   return {};
 }

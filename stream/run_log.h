@@ -31,11 +31,18 @@ struct IngestState {
   std::uint64_t next_id = 0;
 };
 
+/// Whether a folder of runs holds any: work that is worth going on with.
+bool has_runs(const std::string& folder);
+/// Removes a folder of runs; a missing one is no error.
+///
+/// Errors: kFailed, with nothing removed, where it holds anything else.
+Result<void> remove_runs(const std::string& folder);
+
 /// The log of a folder of runs.
 class RunLog {
  public:
   /// Goes on with the log of `folder`, or starts one. A file that no record speaks of is
-  /// overwritten by the next run.
+  /// replaced by the next run.
   ///
   /// Errors: kFailed where the log is of another plan; kBadInput where it is damaged.
   static Result<RunLog> open(const std::string& folder, const StoreHeader& header);

@@ -33,23 +33,21 @@ class SmoothRun {
   Result<SmoothReport> run() {
     const Stopwatch total;
     PSS_TRY(check_job(job_));
-    PSS_TRY(check_places(places_));
     PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget_));
-    PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places_.work_dir));
-    PSS_TRY(enter(work));
-    if (!report_.already_complete) {
-      if (!is_complete_store(work.result_store())) PSS_TRY(compute(work));
-      if (!places_.keep_work) PSS_TRY(work.remove_sources());  // the output needs the room
-      PSS_TRY(write(work));
-      PSS_TRY(leave_job(places_, work, record_));
-    }
+    PSS_ASSIGN(JobRecord record, job_record(job_));
+    PSS_ASSIGN(Job started, Job::enter(places_, std::move(record), monitor_));
+    report_.already_complete = started.complete();
+    report_.resumed = started.resumed();
+    if (!started.complete())
+      if (auto done = do_work(started); !done) return started.fail(std::move(done).error());
     report_.total_seconds = total.seconds();
     describe_run();
     return std::move(report_);
   }
 
  private:
-  Result<void> enter(const WorkDirectory& work);
+  Result<void> do_work(Job& started);
+  Result<bool> has_result(const Job& started) const;
   Result<void> compute(const WorkDirectory& work);
   Result<Store> sorted_input(const WorkDirectory& work);
   Result<Reservation> reserve_tables(const Store& store);
@@ -61,7 +59,7 @@ class SmoothRun {
   Result<void> project(const Store& source, const WorkDirectory& work);
   Result<StoreWriter> run_stage(const char* stage, const Store& source, const ProjectOperator& op,
                                 const std::string& path);
-  Result<void> write(const WorkDirectory& work);
+  Result<void> write(Job& started);
   void note_if_few_moved();
   void describe_run();
 
@@ -69,16 +67,33 @@ class SmoothRun {
   JobPlaces places_;
   MemoryBudget& budget_;
   Monitor& monitor_;
-  JobRecord record_;
+  std::string identity_;  ///< of the job
   SmoothReport report_;
 };
 
-Result<void> SmoothRun::enter(const WorkDirectory& work) {
-  PSS_ASSIGN(record_, job_record(job_));
-  PSS_ASSIGN(const Entry entry, enter_job(places_, work, record_));
-  report_.already_complete = entry == Entry::kComplete;
-  report_.resumed = entry == Entry::kResumed;
-  return {};
+Result<void> SmoothRun::do_work(Job& started) {
+  const WorkDirectory& work = started.work();
+  identity_ = identity_of(started.record());
+  PSS_ASSIGN(const bool computed, has_result(started));
+  if (!computed) PSS_TRY(compute(work));
+  if (!places_.keep_work) PSS_TRY(work.remove_sources());  // the output needs the room
+  PSS_TRY(write(started));
+  return started.leave();
+}
+
+/// Whether the work directory has the finished result of this very job.
+///
+/// Errors: where what is there is damaged, or of another job: told before anything is computed.
+Result<bool> SmoothRun::has_result(const Job& started) const {
+  const std::string path = started.work().result_store();
+  if (!is_store(path)) return false;
+  PSS_ASSIGN(const Store store, Store::open(path));
+  if (identity_in(store.header().parameters) != identity_)
+    return Error{Fault::kFailed,
+                 fmt::format("{}: is the result of another job, or of other inputs; use --restart "
+                             "to compute it again",
+                             path)};
+  return store.complete() && exists(manifest_path(path));
 }
 
 Result<void> SmoothRun::compute(const WorkDirectory& work) {
@@ -151,7 +166,7 @@ Result<void> SmoothRun::check(const Store& source, const WorkDirectory& work) co
 Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
                                          const ProjectOperator& op, const std::string& path) {
   StoreHeader header = op.result_header();
-  header.parameters = result_parameters(job_, report_.widths);
+  header.parameters = result_parameters(job_, report_.widths, identity_);
   PSS_ASSIGN(StoreWriter result, is_store(path) ? StoreWriter::resume(path, header)
                                                 : StoreWriter::create(path, header));
   if (result.complete()) return result;  // also where it was stopped while it was finished
@@ -202,7 +217,8 @@ Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& 
                           : "for the result and the output; use --work-dir on another disk");
 }
 
-Result<void> SmoothRun::write(const WorkDirectory& work) {
+Result<void> SmoothRun::write(Job& started) {
+  const WorkDirectory& work = started.work();
   const Stopwatch watch;
   const Transfer before = transferred();
   std::optional<Store> result;
@@ -216,12 +232,10 @@ Result<void> SmoothRun::write(const WorkDirectory& work) {
   note_if_few_moved();
   if (is_store_name(job_.output)) {
     result.reset();
-    PSS_TRY(hand_over_store(work.result_store(), places_, work, record_));
+    PSS_TRY(started.hand_over_store(work.result_store()));
   } else {
     ExportOptions options = export_options(job_);
-    options.before_rename = [&](const std::string& part) {
-      return record_result(work, record_, part);
-    };
+    options.rules = started.output_rules();
     PSS_ASSIGN(const ExportSummary written,
                export_store(*result, job_.output, options, budget_, monitor_));
     report_.notes.insert(report_.notes.end(), written.notes.begin(), written.notes.end());
@@ -245,7 +259,7 @@ void SmoothRun::describe_run() {
   report_.inputs = job_.inputs;
   report_.method = method_of(job_.options);
   report_.output = job_.output;
-  report_.work_dir = places_.work_dir;
+  report_.work_dir = places_.work_directory();
   report_.points_in = report_.ingest.points_read;
   report_.peak_memory = peak_resident();
   report_.memory_limit = budget_.limit();

@@ -34,7 +34,8 @@ struct SmoothOptions {
   std::optional<World3> offset;  ///< of a LAS output
   std::uint32_t tile_points = kTilePoints;
   // How the job runs.
-  std::string work_dir;  ///< empty: OUTPUT.work
+  std::string work_dir;      ///< empty: OUTPUT.work
+  std::string state_folder;  ///< where finished jobs are remembered; empty: nowhere
   bool overwrite = false;
   bool restart = false;
   bool keep_work = false;
@@ -109,6 +110,7 @@ struct JobState {
   std::uint64_t tiles = 0;  ///< 0 while unknown
   std::uint64_t points = 0;
   std::string parameters;  ///< JSON
+  std::string spoiled;     ///< why it cannot go on; empty where it can
   std::vector<std::string> inputs;
   std::optional<std::string> holder;  ///< "pid N on HOST" of a process that runs it now
 };

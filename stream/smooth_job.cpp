@@ -21,7 +21,7 @@ json optional_json(const std::optional<T>& value) {
   return value ? json(*value) : json();
 }
 
-/// All that the result depends on beside the inputs, by the names of the flags.
+/// What the result depends on beside the sorted input, by the names of the flags.
 json parameters_of(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
   const Method method = method_of(options);
@@ -36,8 +36,7 @@ json parameters_of(const SmoothJob& job) {
           {"buffer", optional_json(options.buffer)},
           {"allow-inexact", options.allow_inexact},
           {"scale", options.scale_auto ? json("auto") : optional_json(options.scale)},
-          {"offset", optional_json(options.offset)},
-          {"tile-points", options.tile_points}};
+          {"offset", optional_json(options.offset)}};
 }
 
 /// The reach where it is known before any point is read.
@@ -106,13 +105,9 @@ bool is_complete_store(const std::string& path) {
   return store && store->complete() && exists(manifest_path(path));
 }
 
-std::string work_directory_of(const SmoothJob& job) {
-  return job.options.work_dir.empty() ? job.output + ".work" : job.options.work_dir;
-}
-
 JobPlaces places_of(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
-  return {job.inputs,        job.output,      work_directory_of(job),
+  return {job.inputs,        job.output,      options.work_dir, options.state_folder,
           options.overwrite, options.restart, options.keep_work};
 }
 
@@ -120,6 +115,7 @@ Result<JobRecord> job_record(const SmoothJob& job) {
   JobRecord record;
   record.command = "smooth";
   record.output = job.output;
+  record.sorting = json{{"tile-points", job.options.tile_points}}.dump();
   record.parameters = parameters_of(job).dump();
   for (const std::string& input : job.inputs) {
     const std::string file = is_store_input(job) ? manifest_path(input) : input;
@@ -131,7 +127,7 @@ Result<JobRecord> job_record(const SmoothJob& job) {
 
 ExportOptions export_options(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
-  return {options.scale, options.scale_auto, options.offset, options.overwrite, {}};
+  return {options.scale, options.scale_auto, options.offset, {}};
 }
 
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,

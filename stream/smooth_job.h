@@ -19,7 +19,6 @@ bool is_store_input(const SmoothJob& job);
 /// Whether a finished store lies there.
 bool is_complete_store(const std::string& path);
 
-std::string work_directory_of(const SmoothJob& job);
 JobPlaces places_of(const SmoothJob& job);
 
 /// The record that the job's work directory gets. Errors: kFailed for inputs that cannot be read.

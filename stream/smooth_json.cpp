@@ -106,10 +106,22 @@ void read_summary(const ordered_json& j, SmoothReport& report) {
 
 }  // namespace
 
-std::string result_parameters(const SmoothJob& job, const ChosenWidths& widths) {
-  ordered_json j = widths_json(widths);
-  j.update(method_json(method_of(job.options)));
+std::string result_parameters(const SmoothJob& job, const ChosenWidths& widths,
+                              const std::string& identity) {
+  ordered_json j = method_json(method_of(job.options));
+  j["radius"] = widths.radius;
+  j["h"] = widths.h;
+  j["knn"] = widths.nearest;
+  j["radius_per_distance"] = widths.factor;
+  j["cap"] = widths.cap;
+  j["job"] = identity;
   return j.dump();
+}
+
+std::string identity_in(const std::string& result_parameters) {
+  const auto j = parse_shallow<ordered_json>(result_parameters);
+  const auto found = j.is_object() ? j.find("job") : j.end();
+  return found != j.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
 std::string result_summary(const SmoothReport& report) {

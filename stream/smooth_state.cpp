@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "stream/smooth.h"
+#include "stream/job_record.h"
 #include "stream/smooth_job.h"
 
 namespace pss {
@@ -50,7 +51,8 @@ Result<JobState> read_job_state(const std::string& work_dir) {
   JobState state;
   state.command = record->command;
   state.output = record->output;
-  state.parameters = record->parameters;
+  state.parameters = all_parameters(*record);
+  state.spoiled = record->spoiled;
   for (const InputRecord& input : record->inputs) state.inputs.push_back(input.path);
   state.holder = job_holder(work_dir);
   if (record->complete) {

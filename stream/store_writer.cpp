@@ -14,22 +14,6 @@
 namespace pss {
 namespace {
 
-bool is_store_file(const std::string& name) {
-  return name.starts_with("manifest") || name.starts_with("segment-");
-}
-
-/// Refuses to remove a directory that holds anything but a store.
-Result<void> check_removable(const std::string& path) {
-  if (!exists(path)) return {};
-  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
-  for (const std::string& name : names)
-    if (!is_store_file(name))
-      return Error{Fault::kFailed,
-                   fmt::format("{}: holds {}, which is no part of a store; choose another name",
-                               path, name)};
-  return {};
-}
-
 IndexBox box_of_blocks(std::span<const BlockInfo> blocks) {
   IndexBox box = blocks[0].box;
   for (const BlockInfo& block : blocks) box.add(block.box);
@@ -42,22 +26,52 @@ std::uint64_t count_rows(std::span<const BlockInfo> blocks) {
   return rows;
 }
 
+/// The names that a store's directory may hold, finished or not.
+bool is_store_file(const std::string& name) {
+  const std::string store;
+  return store + "/" + name == manifest_path(store) ||
+         store + "/" + name == open_manifest_path(store) ||
+         store + "/" + name == replacement_of(open_manifest_path(store)) ||
+         is_numbered(name, "segment-");
+}
+
 }  // namespace
+
+Result<void> check_removable(const std::string& path) {
+  if (!exists(path)) return {};
+  if (is_link(path))
+    return Error{Fault::kFailed, fmt::format("{}: is a link, not a store; name the store that it "
+                                             "leads to, or choose another name",
+                                             path)};
+  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
+  for (const std::string& name : names)
+    if (!is_store_file(name))
+      return Error{Fault::kFailed,
+                   fmt::format("{}: holds {}, which is no part of a store; choose another name",
+                               path, name)};
+  // Names prove nothing. Without a manifest, only what a killed writer leaves before it has one.
+  const bool begun = names.empty() || names == std::vector<std::string>{
+                                                   replacement_of("manifest.log")};
+  if (begun || has_manifest(path)) return {};
+  return Error{Fault::kFailed, fmt::format("{}: holds {}, but no manifest of a store; choose "
+                                           "another name",
+                                           path, names.front())};
+}
 
 Result<void> remove_store(const std::string& path) {
   PSS_TRY(check_removable(path));
-  if (!exists(path)) return {};
-  // The manifests go first: what is left without them is no store.
-  PSS_TRY(remove_all(manifest_path(path)));
-  PSS_TRY(remove_all(open_manifest_path(path)));
-  PSS_TRY(sync_directory(path));
-  return remove_all(path);
+  return remove_store_files(path);
+}
+
+Result<void> remove_store_files(const std::string& path) {
+  return remove_own_directory(path, is_store_file);
 }
 
 Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHeader& header,
                                         std::uint64_t segment_size) {
   PSS_TRY(remove_store(path));
-  PSS_TRY(make_directories(path));
+  PSS_TRY(make_directories(directory_of(path)));
+  PSS_TRY(make_own_directory(path));
   StoreWriter writer;
   writer.path_ = path;
   writer.segment_limit_ = segment_size;
@@ -121,7 +135,7 @@ Result<void> StoreWriter::cut_segments() {
     extra = last.segment + 1;
   }
   for (; exists(segment_path(path_, extra)); ++extra)
-    PSS_TRY(remove_all(segment_path(path_, extra)));
+    PSS_TRY(remove_file(segment_path(path_, extra)));
   return {};
 }
 
@@ -130,7 +144,7 @@ Result<void> StoreWriter::next_segment() {
   if (segment_) PSS_TRY(segment_->sync());
   segment_number_ = manifest_.tiles.empty() ? 0 : manifest_.tiles.back().segment + 1;
   segment_size_ = 0;
-  PSS_ASSIGN(File file, File::create(segment_path(path_, segment_number_)));
+  PSS_ASSIGN(File file, File::create_anew(segment_path(path_, segment_number_)));
   segment_ = std::move(file);
   return sync_directory(path_);
 }

@@ -21,10 +21,17 @@ namespace pss {
 /// A segment that has reached this size takes no further tile.
 inline constexpr std::uint64_t kSegmentSize = std::uint64_t{1} << 30;
 
+/// Refuses what is not a store, by its manifest, or holds anything beside one; a missing directory
+/// and an empty one are none of these.
+Result<void> check_removable(const std::string& path);
 /// Removes a store; a missing one is no error.
 ///
-/// Errors: kFailed, with nothing removed, where `path` holds anything that is not part of a store.
+/// Errors: kFailed, with nothing removed, for what check_removable() refuses.
 Result<void> remove_store(const std::string& path);
+
+/// Removes what is left of a store where its directory is known to be pss's own by other means; a
+/// missing one is no error. Errors: kFailed, with nothing removed, where it holds anything else.
+Result<void> remove_store_files(const std::string& path);
 
 /// Appends tiles to a store, durably, one at a time.
 ///
@@ -50,7 +57,7 @@ class StoreWriter {
 
   /// Appends a block of the tile that is being written.
   Result<void> append(const EncodedBlock& block);
-  /// Ends the tile: index, fdatasync of the segment, manifest record, fdatasync.
+  /// Ends the tile: index, fsync of the segment, manifest record, fsync.
   ///
   /// Tiles may share the syncs: with `sync` false they become durable at the next commit with true.
   Result<void> commit_tile(const Cell& cell, std::vector<std::byte> note = {}, bool sync = true);

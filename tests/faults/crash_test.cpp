@@ -30,9 +30,12 @@ TEST_P(CrashAt, AnyChangeTheSameCommandEndsWithTheSameBytes) {
       disk.crash_before(n);
       const auto cut = run(job);
       crashes += disk.crashed();
-      ASSERT_EQ(cut.has_value(), !disk.crashed());
+      ASSERT_TRUE(cut.has_value() || disk.crashed());
 
       disk.restart(crash, n);
+
+      // The power may go while the last empty names are removed: all is done by then, and stays.
+      if (cut) ASSERT_TRUE(disk.content(kOut) == whole.result);
 
       expect_resumes(disk, job, whole);
       if (HasFailure()) return;

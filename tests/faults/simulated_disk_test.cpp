@@ -42,7 +42,7 @@ TEST(SimulatedDisk, KeepsEverythingWhenOnlyTheProcessDies) {
 TEST(SimulatedDisk, GarblesOnlyWhatWasNotSynced) {
   SimulatedDisk disk;
   write_old_and_new();
-  auto file = File::open_or_create("/b");
+  auto file = File::create("/b");
   ASSERT_TRUE(file && file->write(0, bytes_of("safe")) && file->sync());
   disk.restart(Crash::kGarble, 1);
   EXPECT_EQ(text_of(disk, "/b"), "safe");
@@ -81,7 +81,7 @@ TEST(SimulatedDisk, ForgetsANameUntilItsDirectoryIsSynced) {
 TEST(SimulatedDisk, BringsBackWhatWasRemovedButNotDurably) {
   SimulatedDisk disk;
   disk.put("/a", bytes_of("here"));
-  ASSERT_TRUE(remove_all("/a"));
+  ASSERT_TRUE(remove_file("/a"));
   EXPECT_FALSE(disk.has("/a"));
   disk.restart(Crash::kForget, 1);
   EXPECT_EQ(text_of(disk, "/a"), "here");
@@ -91,9 +91,9 @@ TEST(SimulatedDisk, LiesAfterAFailedSyncAsLinuxDoes) {
   SimulatedDisk disk;
   write_old_and_new();
   disk.set_fault([](Call call, const std::string&) { return call == Call::kSync ? EIO : 0; });
-  EXPECT_FALSE(File::open_or_create("/a")->sync());
+  EXPECT_FALSE(File::open_to_write("/a")->sync());
   disk.set_fault({});
-  EXPECT_TRUE(File::open_or_create("/a")->sync());
+  EXPECT_TRUE(File::open_to_write("/a")->sync());
   disk.restart(Crash::kForget, 1);
   EXPECT_EQ(text_of(disk, "/a"), "old");
 }
@@ -102,7 +102,7 @@ TEST(SimulatedDisk, FailsEveryCallAfterACrashUntilTheRestart) {
   SimulatedDisk disk;
   disk.put("/a", bytes_of("here"));
   disk.crash_before(1);
-  EXPECT_FALSE(remove_all("/a"));
+  EXPECT_FALSE(remove_file("/a"));
   EXPECT_FALSE(File::open("/a"));
   disk.restart(Crash::kKeep, 1);
   EXPECT_TRUE(File::open("/a"));

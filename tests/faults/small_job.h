@@ -46,6 +46,7 @@ inline SmoothJob small_job(MlsOperator op = MlsOperator::kLevin, const std::stri
   job.output = output;
   job.options.op = op;
   job.options.tile_points = 200;
+  job.options.state_folder = "/state/pss";
   job.options.widths.h = 1.0;
   job.options.widths.radius = 3.0;
   return job;

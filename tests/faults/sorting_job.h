@@ -44,7 +44,7 @@ inline Result<void> sort_and_write(std::uint64_t early, Monitor& monitor) {
   PSS_ASSIGN(const IngestPlan plan, plan_ingest({kPoints}, options, monitor));
   PSS_TRY(ingest(plan, "/work/sorted.pss", "/work", options, budget, monitor));
   PSS_ASSIGN(const Store store, Store::open("/work/sorted.pss"));
-  PSS_TRY(export_store(store, kSorted, {.overwrite = true}, budget, monitor));
+  PSS_TRY(export_store(store, kSorted, {.rules = {.overwrite = true}}, budget, monitor));
   return {};
 }
 

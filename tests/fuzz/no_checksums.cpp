@@ -8,6 +8,8 @@ std::uint64_t hash64(std::span<const std::byte> /*bytes*/, std::uint64_t /*seed*
 
 std::string to_string(const Hash128& /*hash*/) { return {}; }
 
+Hash128 hash128_from(std::string_view /*digits*/) { return {}; }
+
 struct StreamHash::State {};
 
 void StreamHash::Free::operator()(State* state) const { delete state; }

@@ -1,6 +1,5 @@
 #include "io/file.h"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -71,137 +70,46 @@ TEST(File, RefusesWhatIsNoRegularFile) {
   }
 }
 
-TEST(File, FullDiskIsAnErrorWithThePath) {
-  auto file = File::create("/dev/full");
-  ASSERT_TRUE(file) << file.error().message;
+TEST(File, IsCreatedOnlyWhereTheNameIsFree) {
+  TemporaryDirectory directory;
+  write_text_file(directory / "precious", "precious");
+  std::filesystem::create_symlink("precious", directory.path() / "link");
+  std::filesystem::create_symlink("nowhere", directory.path() / "broken");
 
-  const auto outcome = file->write(0, bytes_of("x"));
+  for (const char* name : {"precious", "link", "broken"})
+    EXPECT_FALSE(File::create(directory / name)) << name;
 
-  ASSERT_FALSE(outcome);
-  EXPECT_EQ(outcome.error().fault, Fault::kFailed);
-  EXPECT_NE(outcome.error().message.find("/dev/full"), std::string::npos);
+  EXPECT_EQ(read_text_file(directory / "precious"), "precious");
+  EXPECT_FALSE(exists(directory / "nowhere"));
 }
 
-TEST(File, FailedSyncIsFinal) {
+TEST(File, IsCreatedAnewInPlaceOfAFileButNotOfALink) {
   TemporaryDirectory directory;
-  ASSERT_EQ(mkfifo((directory / "pipe").c_str(), 0600), 0);
-  auto pipe = File::open_or_create(directory / "pipe");  // a pipe cannot be synced
-  ASSERT_TRUE(pipe);
+  write_text_file(directory / "left", "over");
+  write_text_file(directory / "precious", "precious");
+  std::filesystem::create_symlink("precious", directory.path() / "link");
+  std::filesystem::create_hard_link(directory.path() / "precious", directory.path() / "hard");
 
-  EXPECT_FALSE(pipe->sync());
-  const auto write = pipe->write(0, bytes_of("x"));
-  ASSERT_FALSE(write);
-  EXPECT_NE(write.error().message.find("failed sync"), std::string::npos);
-  EXPECT_FALSE(pipe->sync());
+  const auto anew = File::create_anew(directory / "left");
+  const auto link = File::create_anew(directory / "link");
+  const auto hard = File::create_anew(directory / "hard");
+
+  ASSERT_TRUE(anew && hard);
+  EXPECT_EQ(read_text_file(directory / "left"), "");
+  ASSERT_FALSE(link);
+  EXPECT_NE(link.error().message.find("move it elsewhere"), std::string::npos);
+  EXPECT_EQ(read_text_file(directory / "precious"), "precious");
 }
 
-TEST(OutputFile, HasItsNameOnlyOnceItIsComplete) {
+TEST(File, IsOpenedToWriteByItsOnlyName) {
   TemporaryDirectory directory;
-  const std::string path = directory / "out";
-  auto file = OutputFile::create(path, false);
-  ASSERT_TRUE(file);
-  ASSERT_TRUE(file->append("hello"));
-  EXPECT_FALSE(exists(path));
-  EXPECT_TRUE(exists(path + ".part"));
+  for (const char* name : {"own", "target", "twin"}) write_text_file(directory / name, "x");
+  std::filesystem::create_symlink("target", directory.path() / "link");
+  std::filesystem::create_hard_link(directory.path() / "twin", directory.path() / "hard");
 
-  ASSERT_TRUE(file->finish());
-
-  EXPECT_EQ(read_text_file(path), "hello");
-  EXPECT_FALSE(exists(path + ".part"));
-}
-
-TEST(OutputFile, LeavesNothingWhenItIsNotFinished) {
-  TemporaryDirectory directory;
-  {
-    auto file = OutputFile::create(directory / "out", false);
-    ASSERT_TRUE(file);
-    ASSERT_TRUE(file->append("hello"));
-  }
-  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
-}
-
-TEST(OutputFile, AppendsAnySizesAndPatchesAnyPlace) {
-  TemporaryDirectory directory;
-  std::string expected;
-  auto file = OutputFile::create(directory / "out", false);
-  ASSERT_TRUE(file);
-  // Around the buffer's 1 MiB: below, at, above, and pieces that cross it.
-  for (const std::size_t size : {1u, 1048575u, 1048576u, 1048577u, 700000u, 700000u, 0u, 3u}) {
-    const std::string piece(size, static_cast<char>('a' + expected.size() % 26));
-    ASSERT_TRUE(file->append(piece));
-    expected += piece;
-  }
-  EXPECT_EQ(file->position(), expected.size());
-  for (const std::size_t place : {std::size_t{0}, std::size_t{1048570}, expected.size() - 9}) {
-    ASSERT_TRUE(file->patch(place, bytes_of("PATCHED!!")));
-    expected.replace(place, 9, "PATCHED!!");
-  }
-
-  ASSERT_TRUE(file->finish());
-
-  EXPECT_TRUE(read_text_file(directory / "out") == expected);
-}
-
-TEST(OutputFile, RefusesAnExistingNameFromTheStart) {
-  TemporaryDirectory directory;
-  write_text_file(directory / "out", "precious");
-
-  const auto file = OutputFile::create(directory / "out", false);
-
-  ASSERT_FALSE(file);
-  EXPECT_EQ(file.error().fault, Fault::kFailed);
-  EXPECT_NE(file.error().message.find("use --overwrite"), std::string::npos);
-  EXPECT_EQ(read_text_file(directory / "out"), "precious");
-}
-
-TEST(OutputFile, RefusesANameThatWasTakenMeanwhile) {
-  TemporaryDirectory directory;
-  {
-    auto file = OutputFile::create(directory / "out", false);
-    ASSERT_TRUE(file);
-    write_text_file(directory / "out", "precious");
-
-    const auto outcome = file->finish();
-
-    ASSERT_FALSE(outcome);
-    EXPECT_NE(outcome.error().message.find("exists"), std::string::npos);
-  }
-  EXPECT_EQ(read_text_file(directory / "out"), "precious");
-  EXPECT_FALSE(exists(directory / "out.part"));
-}
-
-TEST(OutputFile, ReplacesAnExistingFileOnlyAtTheEnd) {
-  TemporaryDirectory directory;
-  write_text_file(directory / "out", "old");
-  auto file = OutputFile::create(directory / "out", true);
-  ASSERT_TRUE(file);
-  ASSERT_TRUE(file->append("new"));
-  EXPECT_EQ(read_text_file(directory / "out"), "old");
-
-  ASSERT_TRUE(file->finish());
-
-  EXPECT_EQ(read_text_file(directory / "out"), "new");
-}
-
-TEST(OutputFile, RefusesADirectoryAndAMissingDirectory) {
-  TemporaryDirectory directory;
-  std::filesystem::create_directory(directory.path() / "d");
-
-  EXPECT_FALSE(OutputFile::create(directory / "d", true));
-  EXPECT_FALSE(OutputFile::create(directory / "missing/out", true));
-}
-
-TEST(OutputFile, FullDiskFailsAndLeavesNothing) {
-  TemporaryDirectory directory;
-  {
-    // NAME.part leads to a full device: every flush fails as on a full disk.
-    std::filesystem::create_symlink("/dev/full", directory.path() / "out.part");
-    auto file = OutputFile::create(directory / "out", false);
-    ASSERT_TRUE(file) << file.error().message;
-    ASSERT_TRUE(file->append("x"));
-    EXPECT_FALSE(file->finish());
-  }
-  EXPECT_TRUE(std::filesystem::is_empty(directory.path()));
+  EXPECT_TRUE(File::open_to_write(directory / "own"));
+  for (const char* name : {"link", "hard", "twin", "missing"})
+    EXPECT_FALSE(File::open_to_write(directory / name)) << name;
 }
 
 TEST(Files, ReadWholeRefusesMoreThanItsLimit) {
@@ -246,7 +154,60 @@ TEST(Files, FreeSpaceIsKnownForNamesThatAreNotThereYet) {
 TEST(Files, RemovingAMissingFileIsNoError) {
   TemporaryDirectory directory;
 
-  EXPECT_TRUE(remove_all(directory / "missing"));
+  EXPECT_TRUE(remove_file(directory / "missing"));
+}
+
+TEST(Files, ReplaceFileWritesThroughNoLink) {
+  TemporaryDirectory directory;
+  write_text_file(directory / "precious", "precious");
+  std::filesystem::create_symlink("precious", directory.path() / "a.new");
+
+  EXPECT_FALSE(replace_file(directory / "a", bytes_of("new")));
+
+  EXPECT_EQ(read_text_file(directory / "precious"), "precious");
+}
+
+TEST(Files, AnOwnDirectoryGoesWholeOrNotAtAll) {
+  TemporaryDirectory directory;
+  const auto ours = [](const std::string& name) { return is_numbered(name, "run-"); };
+  std::filesystem::create_directory(directory.path() / "runs");
+  write_text_file(directory / "runs/run-000001", "x");
+  write_text_file(directory / "runs/run-1", "somebody's");
+  std::filesystem::create_directory_symlink("runs", directory.path() / "link");
+
+  const auto foreign = remove_own_directory(directory / "runs", ours);
+  const auto link = remove_own_directory(directory / "link", ours);
+
+  ASSERT_FALSE(foreign);
+  EXPECT_NE(foreign.error().message.find("run-1,"), std::string::npos) << foreign.error().message;
+  EXPECT_FALSE(link);
+  EXPECT_TRUE(exists(directory / "runs/run-000001"));
+  EXPECT_TRUE(remove_file(directory / "runs/run-1"));
+  EXPECT_TRUE(remove_own_directory(directory / "runs", ours));
+  EXPECT_FALSE(exists(directory / "runs"));
+}
+
+TEST(Files, AnOwnDirectoryIsNoLink) {
+  TemporaryDirectory directory;
+  std::filesystem::create_directory(directory.path() / "theirs");
+  std::filesystem::create_directory_symlink("theirs", directory.path() / "link");
+
+  EXPECT_TRUE(make_own_directory(directory / "new"));
+  EXPECT_TRUE(make_own_directory(directory / "new"));
+  EXPECT_FALSE(make_own_directory(directory / "link"));
+}
+
+TEST(Files, ExchangeSwapsTwoNames) {
+  TemporaryDirectory directory;
+  write_text_file(directory / "a", "1");
+  write_text_file(directory / "b", "2");
+
+  const auto exchanged = exchange_names(directory / "a", directory / "b");
+
+  ASSERT_TRUE(exchanged) << exchanged.error().message;
+  if (!*exchanged) GTEST_SKIP() << "this file system cannot exchange names";
+  EXPECT_EQ(read_text_file(directory / "a"), "2");
+  EXPECT_EQ(read_text_file(directory / "b"), "1");
 }
 
 }  // namespace

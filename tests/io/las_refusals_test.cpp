@@ -48,7 +48,7 @@ TEST_F(LasRefusals, EveryHostileByteEndsInPointsOrARefusal) {
                      .evlr_count = 1};
   const std::string whole = las(file);
   write_text_file(path_, whole);
-  auto victim = File::open_or_create(path_);
+  auto victim = File::open_to_write(path_);
   const auto bytes = std::as_bytes(std::span(whole));
   for (std::size_t at = 0; at < whole.size(); ++at) {
     for (const unsigned value : {0x00u, 0x7Fu, 0x80u, 0xFFu}) {

@@ -49,7 +49,7 @@ class LasWriterTest : public ::testing::Test {
   WriteOptions carried() const {
     WriteOptions options = copy_options(header_, points_.size());
     options.grid = header_.grid;
-    options.overwrite = true;
+    options.rules.overwrite = true;
     return options;
   }
 

@@ -39,7 +39,7 @@ class PlyWriterTest : public ::testing::Test {
     ASSERT_TRUE(points.has_value()) << points.error().message;
 
     WriteOptions options = copy_options((*reader)->header(), points->size());
-    options.overwrite = true;
+    options.rules.overwrite = true;
     const auto written = try_write(options, *points);
 
     ASSERT_TRUE(written.has_value()) << written.error().message;

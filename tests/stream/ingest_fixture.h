@@ -55,7 +55,7 @@ inline void write_cloud(const std::string& path, const Cloud& cloud,
   options.scale = grid.scale;
   options.offset = grid.origin;
   options.count = cloud.positions.size();
-  options.overwrite = true;
+  options.rules.overwrite = true;
   const auto writer = expect_value(create_writer(path, options));
   PointBatch batch;
   batch.index = cloud.positions;

@@ -1,13 +1,14 @@
 #include "stream/job.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <utime.h>
 
+#include <filesystem>
 #include <fstream>
 #include <optional>
 
-#include "io/fingerprint.h"
+#include "stream/manifest.h"
+#include "stream/run_log.h"
 #include "stream/smooth_json.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/test_data.h"
@@ -17,120 +18,6 @@ namespace {
 
 using test::expect_ok;
 using test::expect_value;
-
-JobRecord some_record() {
-  JobRecord record;
-  record.command = "smooth";
-  record.output = "out put.las";
-  record.parameters = R"({"radius":1.5,"knn":null})";
-  record.inputs = {{"a.las", 10, 20, 30}, {"b.las", 11, 21, 31}};
-  return record;
-}
-
-TEST(WorkDirectory, KeepsItsRecord) {
-  test::TemporaryDirectory folder;
-  JobRecord record = some_record();
-  record.complete = true;
-  record.result = InputRecord{"out put.las", 1, -2, 18446744073709551615u};
-  {
-    const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
-    EXPECT_FALSE(expect_value(work.read_record()).has_value());
-    expect_ok(work.write_record(record));
-  }
-
-  const JobRecord found = *expect_value(read_job_record(folder / "w"));
-
-  EXPECT_EQ(found.inputs, record.inputs);
-  EXPECT_EQ(found.result, record.result);
-  EXPECT_TRUE(found.complete);
-  EXPECT_TRUE(check_same_job(found, record, "w"));
-}
-
-TEST(WorkDirectory, RefusesASecondProcessByPidAndHost) {
-  test::TemporaryDirectory folder;
-  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
-
-  const auto second = WorkDirectory::open(folder / "w");
-
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().fault, Fault::kFailed);
-  EXPECT_NE(second.error().message.find(std::to_string(getpid())), std::string::npos);
-  EXPECT_EQ(job_holder(folder / "w").value_or("").find("process "), 0u);
-}
-
-TEST(WorkDirectory, TakesOverTheLockOfADeadProcess) {
-  test::TemporaryDirectory folder;
-  const pid_t child = fork();
-  if (child == 0) {
-    const auto work = WorkDirectory::open(folder / "w");
-    _exit(work ? 0 : 1);  // without the destructor, as a killed process
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  ASSERT_EQ(status, 0);
-
-  EXPECT_TRUE(WorkDirectory::open(folder / "w"));
-}
-
-TEST(WorkDirectory, ClearsOnlyWhatAJobKeepsThere) {
-  test::TemporaryDirectory folder;
-  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
-  expect_ok(work.write_record(some_record()));
-  expect_ok(make_directories(work.input_store()));
-  std::ofstream(folder / "w/thesis.txt") << "keep me";
-
-  expect_ok(work.clear());
-
-  EXPECT_FALSE(exists(work.input_store()));
-  EXPECT_FALSE(exists(folder / "w/job.json"));
-  EXPECT_TRUE(exists(folder / "w/thesis.txt"));
-}
-
-TEST(WorkDirectory, NamesADamagedRecord) {
-  test::TemporaryDirectory folder;
-  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
-  std::ofstream(folder / "w/job.json") << "{\"command\": 3";
-
-  const auto record = work.read_record();
-
-  ASSERT_FALSE(record);
-  EXPECT_NE(record.error().message.find("job.json"), std::string::npos);
-}
-
-TEST(WorkDirectory, RefusesARecordNestedWithoutEnd) {
-  test::TemporaryDirectory folder;
-  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
-  const std::string open(1000000, '['), close(1000000, ']');
-  std::ofstream(folder / "w/job.json") << R"({"checksum":"","parameters":)" << open << close << "}";
-
-  EXPECT_FALSE(work.read_record());
-}
-
-TEST(ResultSummary, OfOtherTypesIsNotTaken) {
-  SmoothReport report;
-
-  read_result_summary(R"({"store_bytes":7,"notes":3,"widths":{"h":"wide"}})", report);
-  read_result_summary(R"({"store_bytes":7})", report);
-
-  EXPECT_EQ(report.store_bytes, 7u);
-}
-
-TEST(WorkDirectory, OfADamagedRecordIsStartedOverOnRequestOnly) {
-  test::TemporaryDirectory folder;
-  const WorkDirectory work = expect_value(WorkDirectory::open(folder / "w"));
-  std::ofstream(folder / "w/job.json") << "{\"command\": 3";
-  JobPlaces places{{}, folder / "b.las", folder / "w"};
-  JobRecord record = some_record();
-
-  const auto refused = enter_job(places, work, record);
-  places.restart = true;
-  const auto entered = enter_job(places, work, record);
-
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("--restart"), std::string::npos);
-  EXPECT_EQ(expect_value(entered), Entry::kNew);
-  EXPECT_TRUE(expect_value(work.read_record()));
-}
 
 TEST(Places, OfAJobMustNotEndangerEachOther) {
   test::TemporaryDirectory folder;
@@ -142,6 +29,14 @@ TEST(Places, OfAJobMustNotEndangerEachOther) {
   EXPECT_FALSE(check_places({{folder / "a.las"}, work + "/../w/b.las", work}));
   EXPECT_FALSE(check_places({{folder / "a.las"}, folder / "b.las", folder.path().string()}));
   EXPECT_TRUE(exists(folder / "a.las"));
+}
+
+TEST(Places, OfAStoreThatIsReplacedHoldNoInput) {
+  test::TemporaryDirectory folder;
+  expect_ok(make_directories(folder / "s.pss"));
+  std::ofstream(folder / "s.pss/a.las") << "points";
+
+  EXPECT_FALSE(check_places({{folder / "s.pss/a.las"}, folder / "s.pss", folder / "w"}));
 }
 
 TEST(Places, OfAStoreLieOnOneDisk) {
@@ -156,100 +51,245 @@ TEST(Places, OfAStoreLieOnOneDisk) {
 class JobStages : public ::testing::Test {
  protected:
   JobStages() {
+    std::ofstream(folder_ / "a.las") << "points";
+    places_.inputs = {folder_ / "a.las"};
     places_.output = folder_ / "out.las";
-    places_.work_dir = folder_ / "w";
+    places_.state_folder = folder_ / "state";
   }
-  Result<Entry> enter() {
-    JobRecord record = some_record();
-    return enter_job(places_, *work_, record);
+
+  JobRecord record() const {
+    JobRecord record;
+    record.command = "smooth";
+    record.output = places_.output;
+    record.sorting = R"({"tile-points":9})";
+    record.parameters = parameters_;
+    record.inputs = {expect_value(fingerprint(places_.inputs[0]))};
+    return record;
   }
+  Result<Job> enter() { return Job::enter(places_, record(), monitor_); }
+  void write_output(Job& job, const std::string& text) {
+    auto file = OutputFile::create(places_.output, job.output_rules());
+    ASSERT_TRUE(file && file->append(text)) << file.error().message;
+    expect_ok(file->finish());
+  }
+  void run_to_the_end() {
+    Job job = expect_value(enter());
+    write_output(job, "result");
+    expect_ok(job.leave());
+  }
+  /// A store of one tile where the job keeps its sorted input or its result.
+  void make_store(const std::string& path) const {
+    const StoreHeader header;
+    StoreWriter writer = expect_value(StoreWriter::create(path, header));
+    expect_ok(writer.finish("{}"));
+  }
+  bool work_is_there() const { return exists(places_.work_directory()); }
 
   test::TemporaryDirectory folder_;
   JobPlaces places_;
-  std::optional<WorkDirectory> work_ = expect_value(WorkDirectory::open(folder_ / "w"));
+  std::string parameters_ = R"({"radius":1.5})";
+  Monitor monitor_;
 };
 
-TEST_F(JobStages, GoFromNewOverResumedToComplete) {
-  EXPECT_EQ(expect_value(enter()), Entry::kNew);
-  EXPECT_EQ(expect_value(enter()), Entry::kResumed);
-  std::ofstream(places_.output) << "result";
-  JobRecord record = some_record();
-  expect_ok(leave_job(places_, *work_, record));
+TEST_F(JobStages, LeaveTheOutputAloneAndKnowItAgain) {
+  run_to_the_end();
 
-  EXPECT_EQ(expect_value(enter()), Entry::kComplete);
+  EXPECT_FALSE(work_is_there());
+  EXPECT_TRUE(expect_value(enter()).complete());
+  EXPECT_FALSE(work_is_there());
+}
+
+TEST_F(JobStages, KnowNoOutputThatChangedThoughSizeAndTimeAreTheSame) {
+  run_to_the_end();
+  const auto time = std::filesystem::last_write_time(places_.output);
+  std::ofstream(places_.output) << "resulT";
+  std::filesystem::last_write_time(places_.output, time);
+
+  const auto again = enter();
+
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message.find("exists"), std::string::npos);
+  EXPECT_FALSE(work_is_there());
+}
+
+TEST_F(JobStages, KnowTheOutputOfNoOtherJob) {
+  run_to_the_end();
+  parameters_ = R"({"radius":2})";
+  EXPECT_FALSE(enter());
+  parameters_ = R"({"radius":1.5})";
+  std::ofstream(places_.inputs[0]) << "others";
+  EXPECT_FALSE(enter());
+}
+
+TEST_F(JobStages, RefuseToReplaceWhereTheMemoryOfThemIsLost) {
+  run_to_the_end();
+  std::filesystem::remove_all(places_.state_folder);
+  EXPECT_FALSE(enter());
+  places_.state_folder = "";
+  EXPECT_FALSE(enter());
+}
+
+TEST_F(JobStages, KeepTheirRecordInAFolderThatWasNamed) {
+  places_.work_dir = folder_ / "w";
+  places_.state_folder = "";
+  run_to_the_end();
+
+  EXPECT_TRUE(exists(folder_ / "w/job.json"));
+  EXPECT_TRUE(expect_value(enter()).complete());
 }
 
 TEST_F(JobStages, KnowTheirOutputWhenStoppedJustAfterTheRename) {
-  ASSERT_EQ(expect_value(enter()), Entry::kNew);
-  std::ofstream(folder_ / "out.las.part") << "result";
-  JobRecord record = some_record();
-  expect_ok(record_result(*work_, record, folder_ / "out.las.part"));
-  expect_ok(rename_file(folder_ / "out.las.part", places_.output));
+  {
+    Job job = expect_value(enter());
+    make_store(job.work().result_store());
+    write_output(job, "result");
+  }
+  EXPECT_TRUE(expect_value(enter()).complete());
+  EXPECT_FALSE(work_is_there());
+}
 
-  EXPECT_EQ(expect_value(enter()), Entry::kComplete);
+TEST_F(JobStages, AreResumedWithEqualParametersOnly) {
+  { make_store(expect_value(enter()).work().result_store()); }
+  EXPECT_TRUE(expect_value(enter()).resumed());
+  parameters_ = R"({"radius":2})";
+
+  const auto other = enter();
+
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("--radius was 1.5, is 2 now"), std::string::npos);
+  EXPECT_NE(other.error().message.find("--restart"), std::string::npos);
+  places_.restart = true;
+  EXPECT_FALSE(expect_value(enter()).resumed());
+}
+
+TEST_F(JobStages, GoOnWithSortedPointsWhateverIsToBeComputed) {
+  { make_store(expect_value(enter()).work().input_store()); }
+  parameters_ = R"({"radius":2})";
+
+  const Job job = expect_value(enter());
+
+  EXPECT_TRUE(job.resumed());
+  EXPECT_TRUE(is_store(job.work().input_store()));
+  EXPECT_EQ((*expect_value(job.work().read_record())).parameters, parameters_);
+}
+
+TEST_F(JobStages, LeaveNothingWhereTheyFailBeforeAnythingIsSorted) {
+  Job job = expect_value(enter());
+
+  const Error why = job.fail({Fault::kBadInput, "a sentence"});
+
+  EXPECT_EQ(why.message, "a sentence");
+  EXPECT_FALSE(work_is_there());
+}
+
+TEST_F(JobStages, LeaveAForeignFileInTheirDirectory) {
+  Job job = expect_value(enter());
+  std::ofstream(job.work().path() + "/thesis.txt") << "keep me";
+
+  static_cast<void>(job.fail({Fault::kFailed, ""}));
+
+  EXPECT_TRUE(exists(places_.work_directory() + "/thesis.txt"));
+  EXPECT_FALSE(exists(places_.work_directory() + "/job.json"));
+}
+
+TEST_F(JobStages, OfAChangedInputCannotGoOn) {
+  {
+    Job job = expect_value(enter());
+    make_store(job.work().input_store());
+    const JobRecord before = record();
+    std::ofstream(places_.inputs[0]) << "changed";
+    static_cast<void>(job.fail({Fault::kFailed, "it has changed"}));
+  }
+  const auto spoiled = expect_value(read_job_record(places_.work_directory()));
+  ASSERT_TRUE(spoiled);
+  EXPECT_NE(spoiled->spoiled.find("a.las has changed while it was read"), std::string::npos);
+
+  std::ofstream(places_.inputs[0]) << "points";
+  const auto again = enter();
+
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().message.find("--restart"), std::string::npos);
+  places_.restart = true;
+  EXPECT_FALSE(expect_value(enter()).resumed());
 }
 
 TEST_F(JobStages, LeaveAFileAloneThatCameWhileTheyWorked) {
-  ASSERT_EQ(expect_value(enter()), Entry::kNew);
+  { make_store(expect_value(enter()).work().input_store()); }
   std::ofstream(places_.output) << "somebody's";
 
   EXPECT_FALSE(enter());
   places_.overwrite = true;
-  EXPECT_EQ(expect_value(enter()), Entry::kResumed);
+  EXPECT_TRUE(expect_value(enter()).resumed());
 }
 
-TEST_F(JobStages, BeginAgainWhenTheOutputIsGoneAndOnRestart) {
-  ASSERT_EQ(expect_value(enter()), Entry::kNew);
-  std::ofstream(places_.output) << "result";
-  JobRecord record = some_record();
-  expect_ok(leave_job(places_, *work_, record));
+TEST_F(JobStages, BeginAgainWhenTheOutputIsGone) {
+  run_to_the_end();
+  std::filesystem::remove(places_.output);
 
-  places_.restart = true;
-  EXPECT_FALSE(enter()) << "the output is there";
-  places_.restart = false;
-  EXPECT_EQ(expect_value(enter()), Entry::kComplete) << "and the record with it";
-  expect_ok(remove_all(places_.output));
-  EXPECT_EQ(expect_value(enter()), Entry::kNew);
+  const Job job = expect_value(enter());
+
+  EXPECT_FALSE(job.complete() || job.resumed());
 }
 
-TEST(SameJob, NamesTheFirstDifference) {
-  const JobRecord then = some_record();
-  const auto difference = [&](auto change) {
-    JobRecord now = then;
-    change(now);
-    const Result<void> same = check_same_job(then, now, "w");
-    return same ? std::string() : same.error().message;
-  };
+TEST_F(JobStages, EndTheDiscardingThatWasStopped) {
+  {
+    Job job = expect_value(enter());
+    make_store(job.work().result_store());
+    JobRecord discarded = job.record();
+    discarded.discarding = true;
+    expect_ok(job.work().write_record(discarded));
+    std::filesystem::remove(manifest_path(job.work().result_store()));
+  }
+  parameters_ = R"({"radius":2})";
 
-  const std::string radius =
-      difference([](JobRecord& r) { r.parameters = R"({"radius":2,"knn":null})"; });
-  const std::string input = difference([](JobRecord& r) { r.inputs[1].size = 12; });
-  const std::string count = difference([](JobRecord& r) { r.inputs.pop_back(); });
-
-  EXPECT_NE(radius.find("--radius was 1.5, is 2 now"), std::string::npos);
-  EXPECT_NE(input.find("b.las has changed"), std::string::npos);
-  EXPECT_NE(count.find("2 input files before, 1 now"), std::string::npos);
-  EXPECT_EQ(difference([](JobRecord&) {}), "");
+  EXPECT_FALSE(expect_value(enter()).resumed());
 }
 
-TEST(Fingerprint, SeesEveryEndOfAFile) {
-  test::TemporaryDirectory folder;
-  const std::string path = folder / "f";
-  std::vector<std::byte> bytes(200000, std::byte{1});
-  test::write_bytes(path, bytes);
-  const InputRecord before = expect_value(fingerprint(path));
+TEST_F(JobStages, PutTheNewStoreInPlaceOfTheOldOne) {
+  places_.output = folder_ / "out.pss";
+  make_store(places_.output);
+  places_.overwrite = true;
+  Job job = expect_value(enter());
+  make_store(job.work().result_store());
+  std::ofstream(job.work().result_store() + "/segment-000000") << "new";
 
-  bytes.front() = std::byte{2};
-  test::write_bytes(path, bytes);
-  const InputRecord head = expect_value(fingerprint(path));
-  bytes.front() = std::byte{1};
-  bytes.back() = std::byte{2};
-  test::write_bytes(path, bytes);
-  const InputRecord tail = expect_value(fingerprint(path));
+  expect_ok(job.hand_over_store(job.work().result_store()));
 
-  EXPECT_EQ(before.size, 200000u);
-  EXPECT_NE(head.content_hash, before.content_hash);
-  EXPECT_NE(tail.content_hash, before.content_hash);
+  EXPECT_TRUE(exists(places_.output + "/segment-000000"));
+  EXPECT_FALSE(exists(job.work().result_store() + "/segment-000000")) << "the old one is here";
+  expect_ok(job.leave());
+  EXPECT_FALSE(work_is_there());
+}
+
+TEST_F(JobStages, RefuseToReplaceWhatIsNoStoreBeforeTheyBegin) {
+  places_.output = folder_ / "out.pss";
+  places_.overwrite = true;
+  expect_ok(make_directories(places_.output));
+  std::ofstream(places_.output + "/segment-000001") << "somebody's";
+  EXPECT_FALSE(enter());
+  std::filesystem::remove(places_.output + "/segment-000001");
+  make_store(places_.output);
+  std::ofstream(places_.output + "/thesis.txt") << "keep me";
+  EXPECT_FALSE(enter());
+  EXPECT_FALSE(work_is_there());
+}
+
+TEST_F(JobStages, AreRunByOneProcessAtATime) {
+  const Job job = expect_value(enter());
+
+  const auto second = enter();
+
+  ASSERT_FALSE(second);
+  EXPECT_NE(second.error().message.find("is being written by process"), std::string::npos);
+}
+
+TEST(ResultSummary, OfOtherTypesIsNotTaken) {
+  SmoothReport report;
+
+  read_result_summary(R"({"store_bytes":7,"notes":3,"widths":{"h":"wide"}})", report);
+  read_result_summary(R"({"store_bytes":7})", report);
+
+  EXPECT_EQ(report.store_bytes, 7u);
 }
 
 TEST(Job, CountsTheNamesOfItsInputsAgainstTheLimit) {

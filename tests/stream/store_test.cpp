@@ -234,7 +234,7 @@ TEST(Store, WithoutOneOfItsSegmentsIsDamaged) {
   test::TemporaryDirectory folder;
   const std::string path = folder / "s.pss";
   make_store(path, true);
-  expect_ok(remove_all(segment_path(path, 0)));
+  expect_ok(remove_file(segment_path(path, 0)));
 
   const auto store = Store::open(path);
 

@@ -61,16 +61,15 @@ Outcome open(const std::string& path, Open how) {
   Entered entered(Call::kOpen, path);
   if (entered.failed()) return entered.error();
   NodePtr file = entered.disk.find(path);
+  if (file && how == Open::kCreateNew) return -EEXIST;
   if (file && file->directory) return how == Open::kRead ? entered.disk.give(file, path) : -EISDIR;
   if (!file) {
-    if (how == Open::kRead || how == Open::kReadWrite) return -ENOENT;
+    if (how != Open::kCreateNew) return -ENOENT;
     const auto [folder, name] = test::split(path);
     const NodePtr directory = entered.disk.find(folder);
     if (!directory) return -ENOENT;
     file = entered.disk.make_node(false);
     entered.disk.link(directory, name, file);
-  } else if (how == Open::kCreate) {
-    entered.disk.resize(*file, 0);
   }
   return entered.disk.give(file, path);
 }
@@ -127,6 +126,8 @@ Outcome lock(int descriptor, Lock /*kind*/) {
       entered.disk.locks.try_emplace(&entered.disk.file_of(descriptor), descriptor);
   return taken || held->second == descriptor ? 0 : -EWOULDBLOCK;
 }
+
+Outcome lock_holder(int /*descriptor*/) { return -ESRCH; }
 
 Outcome status(int descriptor, Status& out) {
   Entered entered(Call::kStatus, descriptor);
@@ -197,6 +198,16 @@ Outcome rename(const std::string& from, const std::string& to) {
 Outcome rename_to_free(const std::string& from, const std::string& to) {
   Entered entered(Call::kRename, from);
   return rename(entered, from, to, false);
+}
+
+Outcome exchange(const std::string& a, const std::string& b) {
+  Entered entered(Call::kRename, a);
+  if (entered.failed()) return entered.error();
+  const auto [folder, name] = test::split(a);
+  const auto [other_folder, other_name] = test::split(b);
+  if (!entered.disk.find(a) || !entered.disk.find(b)) return -ENOENT;
+  entered.disk.swap(entered.disk.find(folder), name, entered.disk.find(other_folder), other_name);
+  return 0;
 }
 
 Outcome sync_directory(const std::string& path) {

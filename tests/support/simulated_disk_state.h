@@ -140,6 +140,15 @@ struct SimulatedDisk::State {
     });
   }
 
+  void swap(const NodePtr& a, const std::string& name, const NodePtr& b,
+            const std::string& other_name) {
+    const NodePtr first = a->names.at(name), second = b->names.at(other_name);
+    change_names({a, b}, [=](bool durable) {
+      names_of(a, durable)[name] = second;
+      names_of(b, durable)[other_name] = first;
+    });
+  }
+
   void sync_names(const NodePtr& directory) {
     std::vector<NameChange> rest;
     for (NameChange& change : pending)

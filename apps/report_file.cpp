@@ -1,0 +1,68 @@
+#include "apps/report_file.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "io/file.h"
+#include "io/inputs.h"
+#include "io/output_file.h"
+
+namespace pss {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint64_t kLargestReport = 64u << 20;
+
+std::string text_of(const json& j, const char* key) {
+  const auto found = j.is_object() ? j.find(key) : j.end();
+  return found != j.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+/// Whether the file is what this very command reported before.
+bool is_same_report(const std::string& path, const ReportRules& rules) {
+  const auto bytes = read_whole(path, kLargestReport);
+  if (!bytes) return false;
+  const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const json found = json::parse(text, nullptr, false);
+  return text_of(found, "command") == rules.command && text_of(found, "output") == rules.output;
+}
+
+Error misplaced(const std::string& path, const std::string& what) {
+  return {Fault::kUsage, fmt::format("--report {}: {}; choose another name", path, what)};
+}
+
+Result<void> check_place(const std::string& path, const ReportRules& rules) {
+  PSS_TRY(check_output(rules.inputs, path));
+  if (real_path_of(path) == real_path_of(rules.output)) return misplaced(path, "is the output");
+  if (is_store_name(rules.output) && lies_in(path, rules.output))
+    return misplaced(path, fmt::format("lies in the output {}", rules.output));
+  if (!rules.work_dir.empty() && lies_in(path, rules.work_dir))
+    return misplaced(path, fmt::format("lies in the work directory {}", rules.work_dir));
+  return {};
+}
+
+}  // namespace
+
+Result<ReportFile> ReportFile::claim(const std::string& name, const ReportRules& rules) {
+  ReportFile report(name);
+  if (name.empty() || report.to_stdout()) return report;
+  PSS_TRY(check_place(name, rules));
+  report.replaces_ = rules.overwrite || is_same_report(name, rules);
+  PSS_TRY(check_replaceable(name, report.replaces_));
+  PSS_ASSIGN(OutputLock lock, OutputLock::take(name));
+  report.lock_.emplace(std::move(lock));
+  return report;
+}
+
+Result<void> ReportFile::write(const std::string& json) const {
+  if (name_.empty()) return {};
+  if (to_stdout()) return fmt::print("{}\n", json), Result<void>();
+  PSS_ASSIGN(OutputFile file, OutputFile::create(name_, {replaces_, &*lock_, {}}));
+  PSS_TRY(file.append(json + "\n"));
+  return file.finish();
+}
+
+}  // namespace pss
