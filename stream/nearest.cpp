@@ -52,7 +52,8 @@ struct Place {
 
 }  // namespace
 
-NearestSearch::NearestSearch(const Store& store, MemoryBudget& budget) : store_(store) {
+NearestSearch::NearestSearch(const Store& store, MemoryBudget& budget)
+    : store_(store), exclusion_(store.header().schema) {
   const std::uint64_t bytes = std::min<std::uint64_t>(kCacheBytes, budget.available() / 2);
   if (auto memory = budget.reserve(bytes)) memory_ = std::move(*memory);
   most_blocks_ = std::max<std::size_t>(4, memory_.bytes() / kBlockBytes);
@@ -75,8 +76,8 @@ Result<const std::vector<Index3>*> NearestSearch::positions_of(std::size_t tile,
   if (found != blocks_.end()) {
     blocks_.splice(blocks_.begin(), blocks_, found);
   } else {
-    std::vector<Index3> positions(block.count);
-    PSS_TRY(store_.read_positions(store_.tiles()[tile], block, positions));
+    std::vector<Index3> positions;
+    PSS_TRY(exclusion_.read_kept(store_, store_.tiles()[tile], block, positions));
     blocks_.push_front({block.first_row, std::move(positions)});
     if (blocks_.size() > most_blocks_) blocks_.pop_back();
   }

@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "core/result.h"
+#include "stream/exclusion.h"
 #include "stream/memory.h"
 #include "stream/store.h"
 
 namespace pss {
 
-/// Searches a store from its disk, holding only some blocks.
+/// Searches a store from its disk, holding only some blocks. Excluded points are not found.
 ///
 /// Thread: one.
 class NearestSearch {
@@ -38,6 +39,7 @@ class NearestSearch {
   Result<const std::vector<Index3>*> positions_of(std::size_t tile, const BlockInfo& block);
 
   const Store& store_;
+  Exclusion exclusion_;
   Reservation memory_;
   std::size_t most_blocks_;
   std::list<CachedIndex> indexes_;  ///< most recently used first

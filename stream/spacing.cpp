@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/morton.h"
+#include "stream/exclusion.h"
 #include "stream/nearest.h"
 
 namespace pss {
@@ -44,14 +45,14 @@ class Sample {
 };
 
 Result<Sample> choose_sample(const Store& store, Monitor& monitor) {
+  const Exclusion exclusion(store.header().schema);
   Sample sample;
   std::vector<Index3> positions;
   for (std::size_t t = 0; t < store.tiles().size(); ++t) {
     PSS_ASSIGN(const std::vector<BlockInfo> index, store.read_index(t));
     for (const BlockInfo& block : index) {
       if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
-      positions.resize(block.count);
-      PSS_TRY(store.read_positions(store.tiles()[t], block, positions));
+      PSS_TRY(exclusion.read_kept(store, store.tiles()[t], block, positions));
       for (const Index3& position : positions) sample.add(position);
       monitor.advance(block.count);
     }

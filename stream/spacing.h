@@ -40,7 +40,7 @@ struct SpacingSample {
   std::vector<SampledPosition> points;  ///< in key order
 };
 
-/// Measures the spacing of all points.
+/// Measures the spacing of all points but the excluded (Exclusion).
 ///
 /// Reads all positions once to choose the sample, then the blocks around each sampled position,
 /// nearest first, until the 16th nearest is certain.

@@ -91,18 +91,15 @@ class SiteReader {
 
   Result<void> add(const NearBlock& near, std::vector<Index3>& points) {
     const TileInfo& tile = store_.tiles()[near.tile];
-    positions_.resize(near.block.count);
-    excluded_.assign(near.block.count, 0);
-    PSS_TRY(store_.read_positions(tile, near.block, positions_));
-    if (exclusion_.active()) PSS_TRY(exclusion_.mark(store_, tile, near.block, excluded_));
+    PSS_TRY(exclusion_.read_kept(store_, tile, near.block, positions_));
     const Lattice& lattice = store_.header().lattice;
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
+    for (const Index3& position : positions_) {
       const auto sees = [&](const Site* site) {
         const double reach_sq = site->reach * site->reach;
-        return !surely_farther(lattice, positions_[i], site->position, reach_sq) &&
-               distance_sq(lattice, positions_[i], site->position) <= reach_sq;
+        return !surely_farther(lattice, position, site->position, reach_sq) &&
+               distance_sq(lattice, position, site->position) <= reach_sq;
       };
-      if (!excluded_[i] && std::ranges::any_of(near.sites, sees)) points.push_back(positions_[i]);
+      if (std::ranges::any_of(near.sites, sees)) points.push_back(position);
     }
     return {};
   }
@@ -113,7 +110,6 @@ class SiteReader {
   BoxTree tiles_;
   std::list<Index> indexes_;  ///< most recently used first
   std::vector<Index3> positions_;
-  std::vector<std::uint8_t> excluded_;
 };
 
 }  // namespace
