@@ -86,7 +86,7 @@ class Smallest {
   double largest() const { return heap_.front(); }
   void clear() { heap_.clear(); }
 
-  void add(double value) {
+  void add(double value, const Index3&) {
     if (full()) {
       if (value >= largest()) return;
       std::pop_heap(heap_.begin(), heap_.end());
@@ -215,7 +215,8 @@ double CellGrid::first_guess(const Index3& position, int k) const {
   return side * std::sqrt((k + 1) / (3 * held));
 }
 
-/// Shows `nearest` the squared distances of the distinct positions within `radius`, but the own.
+/// Shows `nearest` the squared distances and the places of the distinct positions within `radius`,
+/// but the own.
 ///
 /// Most lie farther than what is known, which a plain sum tells; the rest are decided by length_sq.
 template <class Nearest>
@@ -228,26 +229,40 @@ void CellGrid::add_distances(const Index3& position, double radius, Nearest& nea
       if (plain_distance_sq(lattice_, position, point) > perhaps || same(point, position)) continue;
       const double d = distance_sq(lattice_, position, point);
       if (std::sqrt(d) > radius) continue;
-      nearest.add(d);
+      nearest.add(d, point);
       if (nearest.full()) perhaps = std::min(perhaps, nearest.largest() * (1 + 2 * kSlack));
     }
   });
 }
 
-std::optional<double> CellGrid::kth_distance(const Index3& position, int k, double cap) const {
-  assert(k >= 1);
-  if (points_.empty() || !(cap > 0)) return std::nullopt;
+/// Fills `nearest` with the k nearest; it is not full where fewer lie within `cap`.
+template <class Nearest>
+void CellGrid::search(const Index3& position, int k, double cap, Nearest& nearest) const {
+  if (points_.empty() || !(cap > 0)) return;
   const double everywhere = std::ldexp(std::ranges::max(lattice_.scale), kLatticeBits + 2);
   const double widest = std::min(cap, everywhere);
-  Smallest nearest(static_cast<std::size_t>(k));
   for (double radius = first_guess(position, k);; radius *= 2) {
     radius = std::min(radius, widest);
     nearest.clear();
     add_distances(position, radius, nearest);
     // All that is nearer than the radius has been seen, so k of these are the k nearest.
-    if (nearest.full()) return std::sqrt(nearest.largest());
-    if (radius >= widest) return std::nullopt;
+    if (nearest.full() || radius >= widest) return;
   }
+}
+
+std::optional<double> CellGrid::kth_distance(const Index3& position, int k, double cap) const {
+  assert(k >= 1);
+  Smallest nearest(static_cast<std::size_t>(k));
+  search(position, k, cap, nearest);
+  if (!nearest.full()) return std::nullopt;
+  return std::sqrt(nearest.largest());
+}
+
+std::vector<Neighbour> CellGrid::nearest(const Index3& position, std::size_t count) const {
+  assert(count >= 1);
+  NearestPositions nearest(count);
+  search(position, static_cast<int>(count), HUGE_VAL, nearest);
+  return nearest.take();
 }
 
 }  // namespace pss

@@ -9,6 +9,7 @@
 
 #include "core/lattice.h"
 #include "core/morton.h"
+#include "core/nearest_positions.h"
 
 namespace pss {
 
@@ -75,6 +76,12 @@ class CellGrid {
   ///           as one search.
   std::optional<double> kth_distance(const Index3& position, int k, double cap) const;
 
+  /// The `count` distinct positions that are nearest to one, its own excluded, in the order of
+  /// Neighbour; all, where there are fewer.
+  ///
+  /// Requires, Thread, Cost: as kth_distance(); and sorting them.
+  std::vector<Neighbour> nearest(const Index3& position, std::size_t count) const;
+
   /// What a grid over `points` points allocates at most.
   static std::size_t bytes_for(std::size_t points);
 
@@ -90,6 +97,8 @@ class CellGrid {
   void visit_ball(const Query& query, double radius, Visit visit) const;
   template <class Nearest>
   void add_distances(const Index3& position, double radius, Nearest& nearest) const;
+  template <class Nearest>
+  void search(const Index3& position, int k, double cap, Nearest& nearest) const;
   std::size_t lower_bound(const Key& key, int shift, std::size_t& entry) const;
   std::size_t end_of(std::size_t entry) const;
   std::size_t end_of_copies(std::size_t i, std::size_t end) const;

@@ -11,6 +11,7 @@
 #include "core/key_sort.h"
 #include "core/morton.h"
 #include "core/neighbours.h"
+#include "core/position_sample.h"
 #include "core/spacing.h"
 #include "core/vec3.h"
 
@@ -20,8 +21,6 @@ namespace {
 constexpr std::size_t kMostPoints = std::numeric_limits<std::uint32_t>::max() - 1;
 /// Beyond it squares of lengths overflow.
 constexpr double kLargestCoordinate = 1e150;
-
-constexpr std::size_t kSpacingSample = 1024;
 
 Error bad(std::string message) { return {Fault::kBadInput, std::move(message)}; }
 
@@ -71,14 +70,6 @@ Lattice lattice_of(std::span<const World3> points) {
   return lattice_for(bounds);
 }
 
-/// Every distinct position, one of each.
-std::vector<Index3> distinct(std::span<const Index3> sorted) {
-  std::vector<Index3> positions;
-  positions.reserve(sorted.size());
-  std::ranges::unique_copy(sorted, std::back_inserter(positions));
-  return positions;
-}
-
 }  // namespace
 
 Normal unit_normal(const World3& direction) {
@@ -118,16 +109,17 @@ Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const N
 }
 
 std::optional<double> spacing_of(const SortedCloud& cloud) {
-  const std::vector<Index3> positions = distinct(cloud.points);
-  if (positions.size() <= static_cast<std::size_t>(kSpacingRank)) return std::nullopt;
-  const CellGrid grid(cloud.lattice, positions, std::numeric_limits<double>::min());
-  const std::size_t step = (positions.size() + kSpacingSample - 1) / kSpacingSample;
-  std::vector<double> distances;
-  for (std::size_t i = 0; i < positions.size(); i += step)
-    distances.push_back(grid.kth_distance(positions[i], kSpacingRank, HUGE_VAL).value());
-  const auto median = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::ranges::nth_element(distances, median);
-  return spacing_of_d16(*median);
+  PositionSample sample(kSpacingSample);
+  for (const Index3& position : cloud.points) sample.add(position);
+  const CellGrid grid(cloud.lattice, cloud.points, std::numeric_limits<double>::min());
+  const NearestOf nearest = [&](const Index3& position,
+                                std::size_t count) -> Result<std::vector<Neighbour>> {
+    return grid.nearest(position, count);
+  };
+  // Only a search that fails makes it fail.
+  const SpacingSample measured = spacing_over(cloud.lattice, sample.positions(), nearest).value();
+  if (!measured.spacing) return std::nullopt;
+  return measured.spacing->spacing;
 }
 
 }  // namespace pss

@@ -34,12 +34,12 @@ struct SortedCloud {
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals = {},
                                const std::optional<Lattice>& lattice = std::nullopt);
 
-/// The mean distance between points on a surface: spacing_of_d16() of the median over a sample.
+/// The mean distance between points on a surface: spacing_over() a sample, as jobs measure it.
 ///
 /// Empty where there are fewer than 17 distinct positions. It depends on neither the order of the
 /// caller's points nor on how many share a position.
 ///
-/// Cost: O(n), and 1,024 searches for neighbours.
+/// Cost: O(n), and some thousand searches for neighbours.
 std::optional<double> spacing_of(const SortedCloud& cloud);
 
 }  // namespace pss

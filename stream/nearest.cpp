@@ -14,34 +14,6 @@ constexpr std::size_t kMostIndexes = 32;
 constexpr std::size_t kBlockBytes = kBlockPoints * sizeof(Index3);
 constexpr std::uint64_t kCacheBytes = 16u << 20;
 
-/// The k smallest distances to distinct positions.
-class Nearest {
- public:
-  Nearest(const Lattice& lattice, const Index3& query, int k)
-      : lattice_(lattice), query_(query), k_(static_cast<std::size_t>(k)) {}
-
-  bool full() const { return found_.size() == k_; }
-  double worst_sq() const { return full() ? found_.back().first : HUGE_VAL; }
-
-  void add(const Index3& position) {
-    if (full() && surely_farther(lattice_, query_, position, found_.back().first)) return;
-    if (position == query_) return;
-    const Found entry{distance_sq(lattice_, query_, position), position};
-    if (full() && !(entry < found_.back())) return;
-    const auto place = std::lower_bound(found_.begin(), found_.end(), entry);
-    if (place != found_.end() && *place == entry) return;
-    found_.insert(place, entry);
-    if (found_.size() > k_) found_.pop_back();
-  }
-
- private:
-  using Found = std::pair<double, Index3>;
-  const Lattice& lattice_;
-  const Index3& query_;
-  std::size_t k_;
-  std::vector<Found> found_;  ///< sorted
-};
-
 /// Something that may hold near positions: a tile, or one of its blocks.
 struct Place {
   double distance_sq;
@@ -49,6 +21,14 @@ struct Place {
   const BlockInfo* block;  ///< null for a whole tile
   bool operator>(const Place& other) const { return distance_sq > other.distance_sq; }
 };
+
+void add(const Lattice& lattice, const Index3& query, const std::vector<Index3>& positions,
+         NearestPositions& nearest) {
+  for (const Index3& position : positions) {
+    if (nearest.full() && surely_farther(lattice, query, position, nearest.largest())) continue;
+    if (position != query) nearest.add(distance_sq(lattice, query, position), position);
+  }
+}
 
 }  // namespace
 
@@ -84,27 +64,26 @@ Result<const std::vector<Index3>*> NearestSearch::positions_of(std::size_t tile,
   return &blocks_.front().positions;
 }
 
-Result<std::optional<double>> NearestSearch::kth_distance(const Index3& query, int k) {
+Result<std::vector<Neighbour>> NearestSearch::nearest(const Index3& query, std::size_t count) {
   const Lattice& lattice = store_.header().lattice;
   while (indexes_.size() > kMostIndexes) indexes_.pop_back();
   std::priority_queue<Place, std::vector<Place>, std::greater<>> places;
   for (std::size_t t = 0; t < store_.tiles().size(); ++t)
     places.push({distance_sq(lattice, query, store_.tiles()[t].box), t, nullptr});
-  Nearest nearest(lattice, query, k);
-  while (!places.empty() && places.top().distance_sq <= nearest.worst_sq()) {
+  NearestPositions nearest(count);
+  while (!places.empty() && (!nearest.full() || places.top().distance_sq <= nearest.largest())) {
     const Place place = places.top();
     places.pop();
     if (place.block) {
       PSS_ASSIGN(const std::vector<Index3>* positions, positions_of(place.tile, *place.block));
-      for (const Index3& position : *positions) nearest.add(position);
+      add(lattice, query, *positions, nearest);
     } else {
       PSS_ASSIGN(const std::vector<BlockInfo>* blocks, index_of(place.tile));
       for (const BlockInfo& block : *blocks)
         places.push({distance_sq(lattice, query, block.box), place.tile, &block});
     }
   }
-  if (!nearest.full()) return std::optional<double>();
-  return std::optional(std::sqrt(nearest.worst_sq()));
+  return nearest.take();
 }
 
 }  // namespace pss

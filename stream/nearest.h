@@ -1,11 +1,11 @@
 #pragma once
-// The k-th nearest position of a whole store, for few queries: nearest block first, no cap.
+// The nearest positions of a whole store, for few queries: nearest block first, no cap.
 
 #include <cstdint>
 #include <list>
-#include <optional>
 #include <vector>
 
+#include "core/nearest_positions.h"
 #include "core/result.h"
 #include "stream/exclusion.h"
 #include "stream/memory.h"
@@ -20,11 +20,12 @@ class NearestSearch {
  public:
   NearestSearch(const Store& store, MemoryBudget& budget);
 
-  /// The distance from `query` to its k-th nearest distinct position, its own excluded.
+  /// The `count` distinct positions that are nearest to one, its own excluded, in the order of
+  /// Neighbour; all, where there are fewer.
   ///
-  /// Empty where the store has fewer. Source: best-first search over boxes, Hjaltason, Samet,
-  /// "Distance Browsing in Spatial Databases", 1999.
-  Result<std::optional<double>> kth_distance(const Index3& query, int k);
+  /// Source: best-first search over boxes, Hjaltason, Samet, "Distance Browsing in Spatial
+  /// Databases", 1999.
+  Result<std::vector<Neighbour>> nearest(const Index3& query, std::size_t count);
 
  private:
   struct CachedIndex {

@@ -48,7 +48,8 @@ ChosenWidths by_varying_spacing(const Method& method, const Spacing& spacing,
   const Support support = support_of_width(choice.multiple, method);
   ChosenWidths widths;
   widths.nearest = kSpacingRank;
-  widths.factor = support.radius * spacing_of_d16(1);
+  // What a point measures of its own counts each twin.
+  widths.factor = support.radius * spacing_of_d16(1) * spacing.twins;
   widths.cap = kIsolatedMedians * spacing.d16;
   widths.typical = spacing.d16;
   widths.why = fmt::format(
@@ -89,7 +90,7 @@ ChosenWidths by_measuring(const Method& method, const Spacing& spacing,
   ChosenWidths widths = spacing.varying() ? by_varying_spacing(method, spacing, choice)
                                           : by_spacing(method, spacing, choice);
   const double radius = support_of_width(choice.multiple, method).radius;
-  widths.neighbours = std::numbers::pi * radius * radius;
+  widths.neighbours = std::numbers::pi * radius * radius * spacing.twins * spacing.twins;
   if (noise)
     widths.why += fmt::format("; {}; about {:.0f} neighbours a point", reasons(*noise, choice),
                               widths.neighbours);

@@ -12,13 +12,15 @@ ordered_json spacing_json(const std::optional<Spacing>& spacing) {
   if (!spacing) return {};
   return {{"spacing", spacing->spacing},   {"d16_median", spacing->d16},
           {"d16_p10", spacing->d16_low},   {"d16_p90", spacing->d16_high},
-          {"varying", spacing->varying()}, {"sample", spacing->sample}};
+          {"varying", spacing->varying()}, {"sample", spacing->sample},
+          {"twins", spacing->twins}};
 }
 
 std::optional<Spacing> spacing_from(const ordered_json& j) {
   if (!j.is_object()) return std::nullopt;
-  return Spacing{j.value("spacing", 0.0), j.value("d16_median", 0.0), j.value("d16_p10", 0.0),
-                 j.value("d16_p90", 0.0), j.value("sample", std::size_t{0})};
+  return Spacing{j.value("spacing", 0.0),           j.value("d16_median", 0.0),
+                 j.value("d16_p10", 0.0),           j.value("d16_p90", 0.0),
+                 j.value("sample", std::size_t{0}), j.value("twins", 1.0)};
 }
 
 ordered_json trial_json(const WidthTrial& trial) {

@@ -109,6 +109,24 @@ TEST(CellGrid, TakesTheKthDistanceAtExactlyTheCap) {
   EXPECT_EQ(grid.kth_distance({0, 0, 0}, 1, std::nextafter(5.0, 0.0)), std::nullopt);
 }
 
+TEST(CellGrid, FindsTheNearestPositionsByDistanceThenPlace) {
+  const Lattice lattice{{1, 1, 0.5}, {}};
+  Random random(18);
+  std::vector<Index3> points =
+      random_cube(random, 2000, 20);  // many at equal distances, and copies
+  const CellGrid grid(lattice, points, 3);
+  for (std::size_t i = 0; i < points.size(); i += 97) {
+    std::set<Neighbour> expected;
+    for (const Index3& p : points)
+      if (p != points[i]) expected.insert({distance_sq(lattice, points[i], p), p});
+    for (const std::size_t count : {1u, 16u, 200u, 5000u}) {
+      const auto end = std::next(expected.begin(),
+                                 static_cast<std::ptrdiff_t>(std::min(count, expected.size())));
+      EXPECT_EQ(grid.nearest(points[i], count), std::vector<Neighbour>(expected.begin(), end));
+    }
+  }
+}
+
 TEST(CellGrid, WorksInTheCornersOfTheLattice) {
   std::vector<Index3> points;
   for (const std::int64_t x : {kLatticeMin, kLatticeMax})

@@ -31,14 +31,13 @@ Store store_of(std::vector<Index3> points, const std::string& path, std::size_t 
   return expect_value(Store::open(path));
 }
 
-/// By the definition: sort all distances to distinct positions.
-double brute_force(const std::vector<Index3>& points, const Index3& query, std::size_t k) {
-  std::set<Index3> distinct(points.begin(), points.end());
-  distinct.erase(query);
-  std::vector<double> distances;
-  for (const Index3& p : distinct) distances.push_back(distance_sq(kLattice, query, p));
-  std::ranges::sort(distances);
-  return std::sqrt(distances[k - 1]);
+/// By the definition: sort all distinct positions by distance, then by place.
+std::vector<Neighbour> brute_force(const std::vector<Index3>& points, const Index3& query,
+                                   std::size_t k) {
+  std::set<Neighbour> sorted;
+  for (const Index3& p : points)
+    if (p != query) sorted.insert({distance_sq(kLattice, query, p), p});
+  return {sorted.begin(), std::next(sorted.begin(), static_cast<std::ptrdiff_t>(k))};
 }
 
 std::vector<Index3> some_points(std::size_t count, std::uint64_t seed) {
@@ -48,7 +47,7 @@ std::vector<Index3> some_points(std::size_t count, std::uint64_t seed) {
   return points;
 }
 
-TEST(NearestSearch, FindsTheKthDistinctPositionOfTheWholeStore) {
+TEST(NearestSearch, FindsTheNearestDistinctPositionsOfTheWholeStore) {
   test::TemporaryDirectory folder;
   const std::vector<Index3> points = some_points(3000, 5);
   const Store store = store_of(points, folder / "s.pss", 400);
@@ -56,19 +55,18 @@ TEST(NearestSearch, FindsTheKthDistinctPositionOfTheWholeStore) {
   NearestSearch search(store, budget);
 
   for (std::size_t i = 0; i < points.size(); i += 101)
-    for (const int k : {1, 16, 300})
-      EXPECT_EQ(expect_value(search.kth_distance(points[i], k)),
-                brute_force(points, points[i], static_cast<std::size_t>(k)));
+    for (const std::size_t k : {1u, 16u, 300u})
+      EXPECT_EQ(expect_value(search.nearest(points[i], k)), brute_force(points, points[i], k));
 }
 
-TEST(NearestSearch, SaysSoWhereThereAreTooFew) {
+TEST(NearestSearch, FindsAllWhereThereAreFewer) {
   test::TemporaryDirectory folder;
   const Store store = store_of({{0, 0, 0}, {0, 0, 0}, {1, 0, 0}}, folder / "s.pss", 2);
   MemoryBudget budget(512u << 20, 1);
   NearestSearch search(store, budget);
 
-  EXPECT_TRUE(expect_value(search.kth_distance({0, 0, 0}, 1)).has_value());
-  EXPECT_FALSE(expect_value(search.kth_distance({0, 0, 0}, 2)).has_value());
+  EXPECT_EQ(expect_value(search.nearest({0, 0, 0}, 1)).size(), 1u);
+  EXPECT_EQ(expect_value(search.nearest({0, 0, 0}, 2)).size(), 1u);
 }
 
 TEST(Spacing, IsTheMedianOverAllDistinctPositionsWhereThereAreFew) {
@@ -76,7 +74,7 @@ TEST(Spacing, IsTheMedianOverAllDistinctPositionsWhereThereAreFew) {
   const std::vector<Index3> points = some_points(1001, 6);
   std::vector<double> distances;
   for (const Index3& p : std::set<Index3>(points.begin(), points.end()))
-    distances.push_back(brute_force(points, p, 16));
+    distances.push_back(std::sqrt(brute_force(points, p, 16).back().first));
   std::ranges::sort(distances);
   MemoryBudget budget(512u << 20, 1);
   Monitor monitor;
