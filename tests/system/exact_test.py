@@ -5,6 +5,7 @@ import os
 import random
 import re
 import signal
+import struct
 import subprocess
 import time
 
@@ -176,6 +177,33 @@ class Methods(ExactTest):
 
     def test_a_width_that_is_measured(self):
         scan = self.synth("scan.las", "--scans", "2", "--noise", "0.2", points=6000)
+        self.expect_one_hash(scan)
+
+    def with_twins(self, scan):
+        """The scan with a second return for every other point, a fiftieth of the spacing below."""
+        las = Las(scan)
+        below = int(0.02 * harness.torus_spacing(las.count) / las.scale[2])
+        records = [las.record(number) for number in range(las.count)]
+        for record in records[::2]:
+            x, y, z = struct.unpack_from("<3i", record)
+            records.append(struct.pack("<3i", x, y, z - below) + record[12:])
+        path = self.path("twins.las")
+        harness.write_las(path, records, las.scale[0], las.offset, las.point_format)
+        return path
+
+    def test_a_spacing_that_is_measured_among_twins(self):
+        scan = self.with_twins(self.synth("scan.las", "--noise", "0.2", points=5000))
+        self.expect_one_hash(scan)
+        self.expect_everywhere(self.in_memory(scan, "levin", "knn", 40, 0), scan, ["--knn", 40],
+                               self.some_ways())
+
+    def test_a_spacing_that_is_measured_among_excluded_points(self):
+        las = Las(self.synth("scan.las", "--noise", "0.2", points=6000))
+        records = [bytearray(las.record(number)) for number in range(las.count)]
+        for record in records[::2]:
+            record[15] = 7
+        scan = self.path("classes.las")
+        harness.write_las(scan, records, las.scale[0], las.offset, las.point_format)
         self.expect_one_hash(scan)
 
     def test_a_result_in_a_store(self):
