@@ -1,12 +1,11 @@
 // pss info: what is in a file, a store, or a work directory.
 
-#include <fmt/format.h>
-
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
 #include "apps/describe.h"
 #include "apps/options.h"
+#include "apps/standard_streams.h"
 
 namespace pss {
 
@@ -28,7 +27,7 @@ class Info : public Command {
   Result<void> run() override {
     for (const std::string& path : paths_) {
       PSS_ASSIGN(const nlohmann::ordered_json facts, describe(path));
-      fmt::print("{}", json_ ? dump(facts) : as_table(facts));
+      PSS_TRY(print_data(json_ ? dump(facts) : as_table(facts)));
     }
     return {};
   }

@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 #include <optional>
 #include <span>
+#include <sstream>
 
 #include "apps/command.h"
 #include "apps/out_of_memory.h"
 #include "apps/signals.h"
+#include "apps/standard_streams.h"
 #include "stream/memory.h"
 
 namespace pss {
@@ -73,13 +74,24 @@ std::string quoted(const std::string& word) {
 }
 
 int fail(const Error& error, bool resumable, std::span<char*> words) {
-  fmt::print(stderr, "pss: {}\n", error.message);
+  std::string text = fmt::format("pss: {}\n", error.message);
   if (error.fault == Fault::kInterrupted && resumable) {
-    fmt::print(stderr, "pss: this goes on where it stopped:\n   ");
-    for (const char* word : words) fmt::print(stderr, " {}", quoted(word));
-    fmt::print(stderr, "\n");
+    text += "pss: this goes on where it stopped:\n   ";
+    for (const char* word : words) text += " " + quoted(word);
+    text += "\n";
   }
+  print_words(text);
   return static_cast<int>(error.fault);
+}
+
+/// Help, the version, or what is wrong with the command line.
+int answer(const CLI::App& app, const CLI::ParseError& stop) {
+  std::ostringstream data, words;
+  const bool asked = app.exit(stop, data, words) == 0;
+  print_words(words.str());
+  const Result<void> printed = print_data(data.str());
+  if (!printed) return fail(printed.error(), false, {});
+  return asked ? 0 : static_cast<int>(Fault::kUsage);
 }
 
 int run(int argc, char** argv) {
@@ -92,15 +104,13 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& stop) {
-    return app.exit(stop) == 0 ? 0 : static_cast<int>(Fault::kUsage);
+    return answer(app, stop);
   }
   const std::span<char*> words(argv, static_cast<std::size_t>(argc));
   for (const auto& [sub, command] : all) {
     if (!sub->parsed()) continue;
     const Result<void> result = command->run();
     if (!result) return fail(result.error(), command->resumable(), words);
-    if (std::fflush(stdout) != 0)
-      return fail({Fault::kFailed, "cannot write to stdout"}, false, {});
   }
   return 0;
 }
@@ -110,13 +120,16 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   pss::exit_on_signals();  // first: before a job there is nothing to stop in order
+  pss::let_writes_fail();
   pss::exit_when_out_of_memory();
   pss::configure_allocator();
   try {
+    if (const auto opened = pss::open_missing_streams(); !opened)
+      return pss::fail(opened.error(), false, {});
     return pss::run(argc, argv);
   } catch (const std::exception& unexpected) {
     pss::exit_if_out_of_memory(std::current_exception());
-    fmt::print(stderr, "pss: unexpected: {}\n", unexpected.what());
+    pss::print_words(fmt::format("pss: unexpected: {}\n", unexpected.what()));
   }
   return static_cast<int>(pss::Fault::kFailed);
 }

@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "apps/standard_streams.h"
 #include "stream/memory.h"
 
 namespace pss {
@@ -20,8 +20,6 @@ std::size_t terminal_columns() {
   const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
   return known ? size.ws_col : 80;
 }
-
-void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
 }  // namespace
 
@@ -119,24 +117,24 @@ Snapshot Progress::snapshot() const {
 }
 
 void Progress::draw() {
-  if (style_ == Style::kPlain) print(plain_line(snapshot()) + "\n");
-  if (style_ == Style::kJson) print(json_line(snapshot()) + "\n");
+  if (style_ == Style::kPlain) print_words(plain_line(snapshot()) + "\n");
+  if (style_ == Style::kJson) print_words(json_line(snapshot()) + "\n");
   if (style_ != Style::kBar) return;
-  print(fmt::format("\r{}\x1b[K", bar_line(snapshot(), terminal_columns() - 1)));
+  print_words(fmt::format("\r{}\x1b[K", bar_line(snapshot(), terminal_columns() - 1)));
   bar_shown_ = true;
 }
 
 void Progress::erase_bar() {
-  if (bar_shown_) print("\r\x1b[K");
+  if (bar_shown_) print_words("\r\x1b[K");
   bar_shown_ = false;
 }
 
 void Progress::say(std::string_view text) {
   erase_bar();
   if (style_ == Style::kJson)
-    print(json_note(text) + "\n");
+    print_words(json_note(text) + "\n");
   else
-    print(fmt::format("pss: {}\n", text));
+    print_words(fmt::format("pss: {}\n", text));
 }
 
 }  // namespace pss

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "apps/standard_streams.h"
 #include "io/file.h"
 #include "io/inputs.h"
 #include "io/output_file.h"
@@ -59,7 +60,7 @@ Result<ReportFile> ReportFile::claim(const std::string& name, const ReportRules&
 
 Result<void> ReportFile::write(const std::string& json) const {
   if (name_.empty()) return {};
-  if (to_stdout()) return fmt::print("{}\n", json), Result<void>();
+  if (to_stdout()) return print_data(json + "\n");
   PSS_ASSIGN(OutputFile file, OutputFile::create(name_, {replaces_, &*lock_, {}}));
   PSS_TRY(file.append(json + "\n"));
   return file.finish();

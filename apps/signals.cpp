@@ -33,6 +33,11 @@ void install(void (*handler)(int)) {
 
 void exit_on_signals() { install(exit_at_once); }
 
+void let_writes_fail() {
+  signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);
+}
+
 SignalWatch::SignalWatch() {
   signalled = false;
   install(on_signal);

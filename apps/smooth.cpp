@@ -13,6 +13,7 @@
 #include "apps/progress.h"
 #include "apps/report_file.h"
 #include "apps/smooth_text.h"
+#include "apps/standard_streams.h"
 #include "core/parallel.h"
 #include "core/simd/targets.h"
 #include "io/inputs.h"
@@ -196,7 +197,7 @@ class Smooth : public Command {
 
   Result<void> estimate(const ReportFile& report, MemoryBudget& budget, Progress& progress) {
     PSS_ASSIGN(const SmoothEstimate estimate, estimate_smooth(job_, budget, progress));
-    if (!report.to_stdout()) fmt::print("{}", estimate_text(estimate));
+    if (!report.to_stdout()) PSS_TRY(print_data(estimate_text(estimate)));
     return report.write(to_json(estimate));
   }
 

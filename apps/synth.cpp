@@ -5,6 +5,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/progress.h"
+#include "apps/standard_streams.h"
 #include "core/parallel.h"
 #include "io/convert.h"
 #include "io/measure.h"
@@ -103,16 +104,14 @@ class Synth : public Command {
     options.overwrite = overwrite_;
     PSS_ASSIGN(const ConvertSummary summary, copy_points({&scan, 1}, output_, options, progress));
     for (const std::string& note : summary.notes) progress.note(note);
-    fmt::print("{}\n", parameters_json(options_));
-    return {};
+    return print_data(parameters_json(options_) + "\n");
   }
 
   Result<void> measure_file(Progress& progress) const {
     PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(measured_));
     PSS_ASSIGN(const Measurement measurement, measure(*reader, options_, progress));
-    fmt::print("{}", json_ ? measurement_json(measurement, options_) + "\n"
-                           : measurement_table(measurement, options_));
-    return {};
+    return print_data(json_ ? measurement_json(measurement, options_) + "\n"
+                            : measurement_table(measurement, options_));
   }
 
   std::string shape_, output_, measured_;

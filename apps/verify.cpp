@@ -7,6 +7,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/progress.h"
+#include "apps/standard_streams.h"
 #include "core/parallel.h"
 
 namespace pss {
@@ -33,15 +34,17 @@ class Verify : public Command {
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
     PSS_ASSIGN(const VerifySummary summary, verify_store(store_, budget, progress));
-    print(summary);
-    return judge(summary, progress);
+    const Result<void> printed = print_data(table_of(summary));
+    PSS_TRY(judge(summary, progress));
+    return printed;
   }
 
  private:
-  static void print(const VerifySummary& summary) {
-    fmt::print("tiles    {}\nblocks   {}\npoints   {}\nbytes    {}\ncomplete {}\nrows     {}\n",
-               summary.tiles, summary.blocks, summary.points, summary.bytes,
-               summary.complete ? "yes" : "no", to_string(summary.rows));
+  static std::string table_of(const VerifySummary& summary) {
+    return fmt::format(
+        "tiles    {}\nblocks   {}\npoints   {}\nbytes    {}\ncomplete {}\nrows     {}\n",
+        summary.tiles, summary.blocks, summary.points, summary.bytes,
+        summary.complete ? "yes" : "no", to_string(summary.rows));
   }
 
   Result<void> judge(const VerifySummary& summary, Progress& progress) const {
