@@ -35,6 +35,9 @@ constexpr const char* kEpilogue =
     "NormalZ, in PLY nx ny nz) are taken as oriented; where it has none, a first pass over all\n"
     "points computes them with levin.\n"
     "A point whose surface is not determined stays where it is; --outputs status says why.\n"
+    "Where an input has an attribute that --outputs would write, such as the normals of an\n"
+    "earlier run, the job is refused before it begins; --replace-attributes lets the output take\n"
+    "its place.\n"
     "Interrupted or killed, the same command goes on where it stopped, and ends with the same\n"
     "bytes; they depend on neither threads, memory limit nor tile size.\n\n"
     "Examples:\n"
@@ -121,6 +124,9 @@ class Smooth : public Command {
                      "Attributes to add: normals, curvature, principal (curvatures and direction), "
                      "displacement, residual, neighbors, boundary, status, all",
                      options.outputs, parse_outputs_word);
+    arguments.flag("--replace-attributes",
+                   "Let outputs take the place of the input's attributes of the same name",
+                   options.replace_attributes);
     arguments.option("--buffer", "B",
                      "Halo width by hand; less than exactness needs is refused [what is needed]",
                      options.buffer, parse_positive);

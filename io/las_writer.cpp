@@ -234,6 +234,12 @@ Result<void> check_options(const WriteOptions& options) {
 
 }  // namespace
 
+Result<void> check_las(const std::string& path, const WriteOptions& options) {
+  PSS_TRY(check_options(options));
+  PSS_TRY(plan_las(path, options));
+  return {};
+}
+
 Result<std::unique_ptr<Writer>> create_las(const std::string& path, const WriteOptions& options) {
   PSS_TRY(check_options(options));
   PSS_ASSIGN(LasPlan plan, plan_las(path, options));

@@ -17,4 +17,7 @@ namespace pss {
 ///         kFailed where the file cannot be created.
 Result<std::unique_ptr<Writer>> create_las(const std::string& path, const WriteOptions& options);
 
+/// The errors of create_las() but kFailed, without a file.
+Result<void> check_las(const std::string& path, const WriteOptions& options);
+
 }  // namespace pss

@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string_view>
 
 #include "io/file.h"
 #include "io/las_header.h"
 #include "io/las_reader.h"
 #include "io/las_writer.h"
+#include "io/ply_plan.h"
 #include "io/ply_reader.h"
 #include "io/ply_writer.h"
 #include "io/reader.h"
 #include "io/text_layout.h"
+#include "io/text_plan.h"
 #include "io/text_reader.h"
 #include "io/text_writer.h"
 #include "io/writer.h"
@@ -92,6 +95,21 @@ Result<Format> format_for(const std::string& path) {
                fmt::format("{}: found the extension '{}', expected las, ply, xyz, txt, csv, asc or "
                            "pts, which tells the format to write",
                            path, extension)};
+}
+
+Result<void> check_grid_options(const std::string& path, std::optional<Format> format, bool scale,
+                                bool offset) {
+  if (format == Format::kLas || (!scale && !offset)) return {};
+  return Error{Fault::kUsage,
+               fmt::format("{}: {} has no meaning for it, as only LAS has a grid; leave it out",
+                           path, scale ? "--scale" : "--offset")};
+}
+
+Result<void> check_writable(const std::string& path, const WriteOptions& options) {
+  if (options.format == Format::kLas) PSS_TRY(check_las(path, options));
+  if (options.format == Format::kPly) PSS_TRY(plan_ply(path, options));
+  if (options.format == Format::kText) PSS_TRY(plan_text(path, options));
+  return {};
 }
 
 Result<std::unique_ptr<Writer>> create_writer(const std::string& path,

@@ -51,6 +51,18 @@ class Writer {
 /// The format that a name's extension asks for: las, ply, xyz, txt, csv, asc, pts.
 Result<Format> format_for(const std::string& path);
 
+/// Refuses a scale or an offset by hand for a format that has no grid, or for a store (no format).
+///
+/// Errors: kUsage.
+Result<void> check_grid_options(const std::string& path, std::optional<Format> format, bool scale,
+                                bool offset);
+
+/// Whether create_writer() would take these options, as far as no file decides it; touches none.
+///
+/// Errors: kUsage for a scale or offset that is no grid; kBadInput for more attributes than the
+///         format can hold.
+Result<void> check_writable(const std::string& path, const WriteOptions& options);
+
 Result<std::unique_ptr<Writer>> create_writer(const std::string& path, const WriteOptions& options);
 
 }  // namespace pss

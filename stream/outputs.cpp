@@ -4,9 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <sstream>
+#include <utility>
 
 namespace pss {
 namespace {
@@ -46,6 +49,40 @@ constexpr Attribute kAttributes[] = {
     {"Boundary", kBoundary, 0, Type::kFloat32},
     {"Status", kStatus, 0, Type::kUint8},
 };
+
+constexpr const char* kPlyNormals[] = {"nx", "ny", "nz"};
+
+/// Whether a program that does not tell capitals from small letters takes the names for one.
+bool same_name(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c; };
+  return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+/// Whether an attribute of a scan is what an output stands for.
+bool is_meant(const Attribute& attribute, std::string_view prefix, std::string_view name) {
+  if (!prefix.empty()) return name == fmt::format("{}{}", prefix, attribute.name);
+  if (same_name(name, attribute.name)) return true;
+  return attribute.output == kNormals && same_name(name, kPlyNormals[attribute.part]);
+}
+
+/// The attribute of a set that has, or would have, this name; null where none has.
+const Attribute* attribute_for(OutputSet set, std::string_view prefix, std::string_view name) {
+  const auto* found = std::ranges::find_if(kAttributes, [&](const Attribute& attribute) {
+    return (set & attribute.output) && is_meant(attribute, prefix, name);
+  });
+  return found == std::end(kAttributes) ? nullptr : found;
+}
+
+/// A few bits among others cannot be replaced by a value of another size.
+Result<void> check_bits(const Field& field, OutputSet set, std::string_view prefix) {
+  for (const BitField& bits : field.bits)
+    if (attribute_for(set, prefix, bits.name))
+      return Error{Fault::kUsage,
+                   fmt::format("found the attribute {} in {} bits of {}, which --outputs cannot "
+                               "replace; leave that output out",
+                               bits.name, bits.width, field.name)};
+  return {};
+}
 
 /// k1, k2, then the direction of k1: k1 >= k2 are H +- sqrt(H^2 - K).
 double principal_value(const Projection& p, int part) {
@@ -91,9 +128,8 @@ Result<OutputSet> parse_outputs(const std::string& list) {
       for (const Word& known : kWords)
         if (word == known.name) found = known.output;
       if (!found)
-        return Error{Fault::kUsage,
-                     fmt::format("--outputs: unknown word \"{}\"; known are {}, all, none", word,
-                                 fmt::join(output_names(kAllOutputs), ", "))};
+        return Error{Fault::kUsage, fmt::format("--outputs: unknown word \"{}\"; known are {}, all, none",
+                                                word, fmt::join(output_names(kAllOutputs), ", "))};
       set |= found;
     }
   }
@@ -107,25 +143,49 @@ std::vector<std::string> output_names(OutputSet set) {
   return names;
 }
 
+std::vector<OutputClash> clashes_of(const Schema& schema, OutputSet set) {
+  std::vector<OutputClash> clashes;
+  for (const Dimension& dimension : schema.dimensions())
+    if (const Attribute* output = attribute_for(set, {}, dimension.name))
+      clashes.push_back({dimension.name, output->name, output_names(output->output).front()});
+  return clashes;
+}
+
 Result<OutputColumns> OutputColumns::add_to(Schema& schema, OutputSet set,
                                             std::string_view prefix) {
   OutputColumns columns;
-  for (const Attribute& attribute : kAttributes) {
-    if (!(set & attribute.output)) continue;
-    const std::string name = fmt::format("{}{}", prefix, attribute.name);
-    const std::optional<std::size_t> there = schema.find(name);
-    if (!there) schema.add({name, attribute.type, 1, 1, 0, {}});
-    const std::size_t field = there.value_or(schema.fields().size() - 1);
-    const Field& column = schema.fields()[field];
-    if (column.type != attribute.type || column.count != 1)
-      return Error{Fault::kUsage,
-                   fmt::format("the input has an attribute {} of type {}, expected {} to write "
-                               "--outputs into; rename it or leave that output out",
-                               name, type_name(column.type), type_name(attribute.type))};
+  Schema result;
+  std::array<bool, std::size(kAttributes)> placed{};
+  const auto place = [&](const Attribute& attribute) {
+    if (std::exchange(placed[static_cast<std::size_t>(&attribute - kAttributes)], true)) return;
     columns.columns_.push_back(
-        {attribute.output, attribute.part, schema.position(field), attribute.type});
+        {attribute.output, attribute.part, result.row_size(), attribute.type});
+    result.add({fmt::format("{}{}", prefix, attribute.name), attribute.type, 1, 1, 0, {}});
+  };
+  for (std::size_t f = 0; f < schema.fields().size(); ++f) {
+    const Field& field = schema.fields()[f];
+    PSS_TRY(check_bits(field, set, prefix));
+    const Attribute* replacing =
+        field.bits.empty() ? attribute_for(set, prefix, field.name) : nullptr;
+    if (replacing) {
+      place(*replacing);
+      continue;
+    }
+    columns.keep({schema.position(f), result.row_size(), field.size()});
+    result.add(field);
   }
+  for (const Attribute& attribute : kAttributes)
+    if (set & attribute.output) place(attribute);
+  schema = std::move(result);
   return columns;
+}
+
+void OutputColumns::keep(const KeptBytes& bytes) {
+  KeptBytes* last = kept_.empty() ? nullptr : &kept_.back();
+  if (last && last->from + last->size == bytes.from && last->to + last->size == bytes.to)
+    last->size += bytes.size;
+  else
+    kept_.push_back(bytes);
 }
 
 void OutputColumns::write(const Projection& projection, std::byte* row) const {

@@ -227,9 +227,10 @@ Result<void> PartLoader::read_own(const TileInfo& tile, const BlockInfo& block, 
   PSS_TRY(source_.read_positions(tile, block, std::span(part.own).subspan(first, block.count)));
   std::vector<std::byte> rows(block.count * source_size);
   PSS_TRY(source_.read_rows(tile, block, rows));
-  for (std::size_t i = 0; i < block.count && needs_.kept_size > 0; ++i)
-    std::memcpy(&part.rows[(first + i) * needs_.row_size], &rows[i * source_size],
-                needs_.kept_size);
+  for (const KeptBytes& kept : needs_.kept)
+    for (std::size_t i = 0; i < block.count; ++i)
+      std::memcpy(&part.rows[(first + i) * needs_.row_size + kept.to],
+                  &rows[i * source_size + kept.from], kept.size);
   return {};
 }
 

@@ -14,14 +14,15 @@
 #include "stream/exclusion.h"
 #include "stream/memory.h"
 #include "stream/normals.h"
+#include "stream/outputs.h"
 #include "stream/store.h"
 
 namespace pss {
 
 /// What an operator wants of its source in a part.
 struct PartNeeds {
-  std::size_t row_size = 0;   ///< of a result row
-  std::size_t kept_size = 0;  ///< bytes of a source's row that its result row begins with
+  std::size_t row_size = 0;              ///< of a result row
+  std::vector<KeptBytes> kept;           ///< what it takes over of the source's row
   std::optional<NormalColumns> normals;  ///< of the candidates
 };
 
@@ -66,7 +67,7 @@ struct Part {
   std::uint64_t first_row = 0;
   std::vector<std::uint32_t> block_counts;  ///< points of each own block
   std::vector<Index3> own;                  ///< own positions in row order
-  std::vector<std::byte> rows;  ///< result rows; each begins with what is kept of the point's own
+  std::vector<std::byte> rows;  ///< result rows, at first with what is kept of the point's own
   std::vector<Surround> around;
   std::vector<Index3> candidates;  ///< all points within reach that may be neighbours, by key
   std::vector<Normal> normals;     ///< of the candidates, where the operator wants them

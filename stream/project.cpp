@@ -56,7 +56,7 @@ ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& p
     : parameters_(parameters),
       source_lattice_(source.header().lattice),
       source_ordered_(source.header().ordered),
-      exclusion_(source.header().schema),
+      exclusion_(Schema()),
       header_(source.header()) {
   if (!parameters.only_normals) choose_lattice(source);
 }
@@ -79,11 +79,12 @@ Result<void> ProjectOperator::choose_columns(const Schema& source) {
       header_.schema = without_computed_normals(source);
     }
   }
-  needs_.kept_size = header_.schema.row_size();
   PSS_ASSIGN(columns_, parameters_.only_normals
                            ? OutputColumns::add_to(header_.schema, kNormals, kComputedPrefix)
                            : OutputColumns::add_to(header_.schema, parameters_.outputs));
+  needs_.kept = columns_.kept();
   needs_.row_size = header_.schema.row_size();
+  exclusion_ = Exclusion(header_.schema);  // looks at rows that have the outputs already
   return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/parallel.h"
 #include "io/writer.h"
+#include "stream/output_clash.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_json.h"
 #include "stream/smooth_method.h"
@@ -127,12 +128,14 @@ Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
       return Error{Fault::kBadInput,
                    fmt::format("{}: the store is not complete; run the command that makes it again",
                                store.path())};
+    PSS_TRY(check_attributes(job_, store.header()));
     report_.ingest.points_read = report_.ingest.points_stored = store.points();
     return store;
   }
   IngestOptions options;
   options.tile_points = job_.options.tile_points;
   PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, options, monitor_));
+  PSS_TRY(check_attributes(job_, plan.header));
   report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
   report_.plan_seconds = planning.seconds();
   const Stopwatch sorting;

@@ -27,6 +27,7 @@ struct SmoothOptions {
   std::optional<Precision> precision;
   WidthOptions widths;  ///< their degree is that of the polynomial, where the operator has one
   OutputSet outputs = 0;
+  bool replace_attributes = false;  ///< outputs may take the place of attributes of the inputs
   std::optional<double> buffer;
   bool allow_inexact = false;
   std::optional<World3> scale;   ///< of a LAS output

@@ -8,6 +8,7 @@
 #include "stream/calibration.h"
 #include "stream/chunk.h"
 #include "stream/disk_need.h"
+#include "stream/output_clash.h"
 #include "stream/smooth.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_method.h"
@@ -45,6 +46,7 @@ void add_times(SmoothEstimate& estimate, double neighbours) {
 
 Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
   PSS_ASSIGN(const Store source, Store::open(job.inputs.front()));
+  PSS_TRY(check_attributes(job, source.header()));
   SmoothEstimate estimate;
   estimate.method = method_of(job.options);
   estimate.normals = normals_from(source.header().schema, estimate.method);
@@ -90,6 +92,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
   IngestOptions options;
   options.tile_points = job.options.tile_points;
   PSS_ASSIGN(const IngestPlan plan, plan_ingest(job.inputs, options, monitor));
+  PSS_TRY(check_attributes(job, plan.header));
   Schema schema = plan.header.schema;
   PSS_TRY(OutputColumns::add_to(schema, job.options.outputs));
   SmoothEstimate estimate;

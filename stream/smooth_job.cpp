@@ -33,6 +33,7 @@ json parameters_of(const SmoothJob& job) {
           {"knn", optional_json(options.widths.knn)},
           {"polynomial-order", needs_normals(method.op) ? json() : json(method.degree)},
           {"outputs", output_names(options.outputs)},
+          {"replace-attributes", options.replace_attributes},
           {"buffer", optional_json(options.buffer)},
           {"allow-inexact", options.allow_inexact},
           {"scale", options.scale_auto ? json("auto") : optional_json(options.scale)},

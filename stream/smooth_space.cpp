@@ -39,13 +39,14 @@ SmoothSpace smooth_space(const SmoothJob& job, NormalsFrom normals, const Stored
                          const Lattice& result_lattice, std::size_t result_row_bytes) {
   const auto points = static_cast<double>(source.points);
   const auto bytes = [&](double more_a_point) {
-    return source.bytes + static_cast<std::uint64_t>(more_a_point * points);
+    return source.bytes + static_cast<std::uint64_t>(std::max(0.0, more_a_point) * points);
   };
   SmoothSpace space;
   if (!is_store_input(job)) space.sorted = source.bytes;
   if (normals == NormalsFrom::kFirstPass) space.normals = bytes(sizeof(Normal));
-  space.result = bytes(refining_bytes(source.lattice, result_lattice) +
-                       static_cast<double>(result_row_bytes - source.row_bytes));
+  space.result =
+      bytes(refining_bytes(source.lattice, result_lattice) + static_cast<double>(result_row_bytes) -
+            static_cast<double>(source.row_bytes));
   if (!is_store_name(job.output))
     space.output = source.points * output_bytes(job.output, result_row_bytes);
   space.keeps_sources = job.options.keep_work;

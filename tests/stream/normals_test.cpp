@@ -63,7 +63,7 @@ Store store_with_normals(const std::string& path, const std::vector<Index3>& pos
 
 Part load_all(const Store& store) {
   const Schema& schema = store.header().schema;
-  const PartLoader loader(store, {schema.row_size(), 4, NormalColumns::given(schema)});
+  const PartLoader loader(store, {schema.row_size(), {{0, 0, 4}}, NormalColumns::given(schema)});
   PartPlan plan = expect_value(loader.plan({0, 0, store.tiles()[0].blocks}));
   plan.around = {{plan.box, 10}};
   expect_ok(loader.plan_near(plan, store.points()));

@@ -87,23 +87,68 @@ TEST(Outputs, MarkASecondSheetInTheStatus) {
   EXPECT_EQ(row[0], std::byte{4 + 128});
 }
 
-TEST(Outputs, OverwriteAnAttributeOfTheSameNameAndType) {
-  Schema schema({{"Residual", Type::kFloat32, 1, 1, 0, {}}, {"Red", Type::kUint16, 1, 1, 0, {}}});
+TEST(Outputs, TakeThePlaceOfTheAttributeOfTheirNameWithATypeOfTheirOwn) {
+  Schema schema({{"Red", Type::kUint16, 1, 1, 0, {}},
+                 {"Status", Type::kFloat64, 3, 0.5, 2, {}},
+                 {"Blue", Type::kUint16, 1, 1, 0, {}}});
 
-  const auto columns = OutputColumns::add_to(schema, kResidual);
+  const OutputColumns columns = expect_value(OutputColumns::add_to(schema, kStatus | kResidual));
 
-  EXPECT_TRUE(columns.has_value());
-  EXPECT_EQ(schema.fields().size(), 2u);
+  EXPECT_EQ(schema, Schema({{"Red", Type::kUint16, 1, 1, 0, {}},
+                            {"Status", Type::kUint8, 1, 1, 0, {}},
+                            {"Blue", Type::kUint16, 1, 1, 0, {}},
+                            {"Residual", Type::kFloat32, 1, 1, 0, {}}}));
+  ASSERT_EQ(columns.kept().size(), 2u);
+  EXPECT_EQ(columns.kept()[1].from, 2u + 24);
+  EXPECT_EQ(columns.kept()[1].to, 2u + 1);
+  EXPECT_EQ(columns.kept()[1].size, 2u);
 }
 
-TEST(Outputs, RefuseAnAttributeOfTheSameNameAndAnotherType) {
-  Schema schema({{"Status", Type::kFloat64, 1, 1, 0, {}}});
+TEST(Outputs, KeepARowThatNothingClashesWithInOnePiece) {
+  Schema schema({{"Red", Type::kUint16, 1, 1, 0, {}}, {"Blue", Type::kUint16, 1, 1, 0, {}}});
+
+  const OutputColumns columns = expect_value(OutputColumns::add_to(schema, kAllOutputs));
+
+  ASSERT_EQ(columns.kept().size(), 1u);
+  EXPECT_EQ(columns.kept()[0].size, 4u);
+}
+
+TEST(Outputs, TakeThePlaceOfTheFirstOfSeveralAndTheOthersGo) {
+  Schema schema({{"ny", Type::kFloat64, 1, 1, 0, {}},
+                 {"NORMALX", Type::kFloat32, 1, 1, 0, {}},
+                 {"nx", Type::kFloat32, 1, 1, 0, {}}});
+
+  expect_value(OutputColumns::add_to(schema, kNormals));
+
+  EXPECT_EQ(schema, Schema({{"NormalY", Type::kFloat32, 1, 1, 0, {}},
+                            {"NormalX", Type::kFloat32, 1, 1, 0, {}},
+                            {"NormalZ", Type::kFloat32, 1, 1, 0, {}}}));
+}
+
+TEST(Outputs, ClashInAnyCaseAndByTheNamesThatPlyGivesNormals) {
+  const Schema schema({{"ny", Type::kFloat64, 1, 1, 0, {}},
+                       {"displacement", Type::kFloat32, 1, 1, 0, {}},
+                       {"status_", Type::kUint8, 1, 1, 0, {}},
+                       {"Residual", Type::kFloat32, 1, 1, 0, {}}});
+
+  const auto clashes = clashes_of(schema, kAllOutputs & ~unsigned{kResidual});
+
+  ASSERT_EQ(clashes.size(), 2u);
+  EXPECT_EQ(clashes[0].attribute, "ny");
+  EXPECT_EQ(clashes[0].output, "NormalY");
+  EXPECT_EQ(clashes[0].word, "normals");
+  EXPECT_EQ(clashes[1].attribute, "displacement");
+  EXPECT_EQ(clashes[1].output, "Displacement");
+}
+
+TEST(Outputs, CannotTakeThePlaceOfBitsAmongOthers) {
+  Schema schema({{"Flags", Type::kUint8, 1, 1, 0, {{"Status", 0, 3}, {"Other", 3, 5}}}});
 
   const auto columns = OutputColumns::add_to(schema, kStatus);
 
   ASSERT_FALSE(columns);
   EXPECT_EQ(columns.error().fault, Fault::kUsage);
-  EXPECT_NE(columns.error().message.find("float64"), std::string::npos);
+  EXPECT_NE(columns.error().message.find("3 bits of Flags"), std::string::npos);
 }
 
 }  // namespace

@@ -25,6 +25,13 @@ TEST(SmoothSpace, OfAResultCountsRefinedPositionsAndNewColumnsInFull) {
   EXPECT_EQ(space.output, (12 + 20) * 1000000u);
 }
 
+TEST(SmoothSpace, OfAResultWithNarrowerRowsIsNoSmallerThanItsSource) {
+  const SmoothSpace space =
+      smooth_space(job_to("out.las"), NormalsFrom::kNowhere, kMillion, kCoarse, 8 - 7);
+
+  EXPECT_EQ(space.result, 8000000u);
+}
+
 TEST(SmoothSpace, OfAStoreThatIsKeptHasNoOutput) {
   EXPECT_EQ(smooth_space(job_to("out.pss"), NormalsFrom::kNowhere, kMillion, kFine, 8).output, 0u);
 }

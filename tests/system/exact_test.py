@@ -226,7 +226,7 @@ class GivenNormals(SystemTest):
             for how in (["--threads", 1, "--tile-points", 1000],
                         ["--threads", 2, "--memory-limit", "128M", "--simd", simd_targets()[-1]]):
                 self.ok("smooth", scan, "-o", out, "--outputs", "all", "--overwrite", "--restart",
-                        "--operator", operator, "--knn", 40, *how)
+                        "--replace-attributes", "--operator", operator, "--knn", 40, *how)
                 hashes.add(harness.sha256(out))
             self.assertEqual(len(hashes), 1, operator)
 
