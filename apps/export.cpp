@@ -8,6 +8,7 @@
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "core/parallel.h"
+#include "io/inputs.h"
 #include "stream/store.h"
 
 namespace pss {
@@ -34,6 +35,7 @@ class Export : public Command {
 
   Result<void> run() override {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
+    PSS_TRY(check_output({&store_, 1}, output_));
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);

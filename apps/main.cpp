@@ -88,7 +88,7 @@ int fail(const Error& error, bool resumable, std::span<char*> words) {
 int answer(const CLI::App& app, const CLI::ParseError& stop) {
   std::ostringstream data, words;
   const bool asked = app.exit(stop, data, words) == 0;
-  print_words(words.str());
+  if (!asked) print_words("pss: " + words.str());
   const Result<void> printed = print_data(data.str());
   if (!printed) return fail(printed.error(), false, {});
   return asked ? 0 : static_cast<int>(Fault::kUsage);

@@ -61,6 +61,8 @@ class Synth : public Command {
     PSS_TRY(check(options_));
     if (output_.empty() == measured_.empty())
       return Error{Fault::kUsage, "synth needs either -o OUTPUT or --measure FILE"};
+    if (json_ && measured_.empty())
+      return Error{Fault::kUsage, "--json has no meaning without --measure; leave it out"};
     ThreadLimit threads(threads_);
     Progress progress(reports_.progress);
     return output_.empty() ? measure_file(progress) : write_scan(progress);

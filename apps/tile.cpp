@@ -80,6 +80,7 @@ class Tile : public Command {
                    fmt::format("--output: found '{}', expected NAME.pss", job_.output)};
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
+    PSS_TRY(check_files(job_.inputs));
     PSS_TRY(check_output(job_.inputs, job_.output));
     const JobPlaces places = job_.places();
     PSS_ASSIGN(const ReportFile report,

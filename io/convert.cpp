@@ -231,6 +231,9 @@ Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
 Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std::string& output,
                                const ConvertOptions& options, Monitor& monitor) {
   PSS_ASSIGN(const Format format, format_for(output));
+  PSS_TRY(
+      check_grid_options(output, format, options.scale.has_value(), options.offset.has_value()));
+  PSS_TRY(check_files(inputs));
   PSS_TRY(check_output(inputs, output));
   std::vector<std::unique_ptr<Reader>> owned;
   std::vector<Reader*> readers;

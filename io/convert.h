@@ -35,7 +35,8 @@ struct ConvertSummary {
 /// the format cannot hold them. Inputs are read twice where their bounds or count must be known
 /// first. Without success there is nothing under the output's name that was not there before.
 ///
-/// Errors: kUsage for an unknown extension; kBadInput for damaged files and for coordinate systems
+/// Errors: kUsage for an unknown extension, a scale or offset without a LAS output, and a store as
+///         an input; kBadInput for damaged files and for coordinate systems
 ///         that differ; kInterrupted where the monitor says so; kFailed for I/O.
 Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std::string& output,
                                const ConvertOptions& options, Monitor& monitor);

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdint>
+#include <map>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "io/disk.h"
 #include "io/file.h"
@@ -90,6 +93,22 @@ Result<void> add_list(const std::string& path, Expansion& out) {
   return {};
 }
 
+/// Refuses a file that is there twice.
+Result<void> check_distinct(const Paths& paths) {
+  std::map<std::pair<std::uint64_t, std::uint64_t>, const std::string*> known;
+  for (const std::string& path : paths) {
+    disk::Status status;
+    if (disk::status(path, disk::Links::kFollow, status) < 0) continue;  // opening it will say so
+    const auto [other, is_new] = known.try_emplace({status.device, status.inode}, &path);
+    if (!is_new)
+      return Error{Fault::kUsage,
+                   fmt::format("{} and {}: are the same file, which would give every point twice; "
+                               "name it once",
+                               *other->second, path)};
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
@@ -99,23 +118,36 @@ Result<std::vector<std::string>> expand_inputs(std::span<const std::string> argu
     PSS_TRY(argument.starts_with('@') ? add_list(argument.substr(1), expansion)
                                       : add_path(argument, expansion));
   if (expansion.paths.empty()) return Error{Fault::kFailed, "no input: the list of files is empty"};
+  PSS_TRY(check_distinct(expansion.paths));
   return std::move(expansion.paths);
 }
 
 Result<void> check_output(std::span<const std::string> inputs, const std::string& output) {
-  for (const std::string& input : inputs)
+  for (const std::string& input : inputs) {
     if (same_file(input, output))
       return Error{Fault::kUsage,
                    fmt::format("{}: is an input, {}; an input is never replaced, choose another "
                                "output",
                                output, input)};
-  for (const std::string& input : inputs)
-    if (is_directory(input) && lies_in(output, input))
-      return Error{Fault::kUsage, fmt::format("{}: lies in the input {}; choose another output",
-                                              output, input)};
+    if (is_store_name(input) && lies_in(output, input))
+      return Error{Fault::kUsage,
+                   fmt::format("{}: lies in the store {}; choose another output", output, input)};
+  }
+  if (is_directory(output) && !is_store_name(output))
+    return failed(output, "is a directory; name a file in it");
   const std::string folder = directory_of(output);
   if (is_directory(folder)) return {};
   return failed(output, "its folder is missing; make it, or choose another output");
+}
+
+Result<void> check_files(std::span<const std::string> inputs) {
+  for (const std::string& input : inputs)
+    if (is_store_name(input) && is_directory(input))
+      return Error{Fault::kUsage,
+                   fmt::format("{}: is a store, expected files; write it as one with "
+                               "pss export first",
+                               input)};
+  return {};
 }
 
 }  // namespace pss

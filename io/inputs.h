@@ -17,14 +17,19 @@ namespace pss {
 /// `output` is left out of what directories and globs give: the same command finds the same inputs
 /// when its output has come to lie among them.
 ///
-/// Errors: kFailed naming what is missing or matches nothing.
+/// Errors: kFailed naming what is missing or matches nothing; kUsage for a file that is there
+/// twice,
+///         by whatever names or links: each of its points would have a twin.
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
                                                const std::string& output = {});
 
-/// Refuses, before any work, an output that is one of the inputs, or lies in one that is a store, or
-/// in a missing folder.
+/// Refuses, before any work, an output that is one of the inputs, lies in one that is a store, is a
+/// directory although not called a store, or lies in a missing folder.
 ///
-/// Errors: kUsage for an input, by whatever name or link; kFailed for the folder.
+/// Errors: kUsage for an input, by whatever name or link; kFailed for the directory and the folder.
 Result<void> check_output(std::span<const std::string> inputs, const std::string& output);
+
+/// Refuses stores, for commands that read files alone. Errors: kUsage.
+Result<void> check_files(std::span<const std::string> inputs);
 
 }  // namespace pss

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "io/inputs.h"
@@ -15,6 +16,8 @@ namespace {
 
 /// The part of the int32 range that a chosen grid fills at most.
 constexpr double kUsableSteps = 2.0e9;
+constexpr double kLeastStep = std::numeric_limits<std::int32_t>::min();
+constexpr double kMostStep = std::numeric_limits<std::int32_t>::max();
 
 double power_of_ten(int exponent) {
   double power = 1;
@@ -100,6 +103,28 @@ std::optional<Lattice> export_grid(const StoreHeader& header, const IndexBox& bo
   return grid;
 }
 
+Result<void> check_grid(const Store& store, const std::string& output, Format format,
+                        const ExportOptions& options) {
+  const IndexBox box = bounds_of(store);
+  const auto grid = export_grid(store.header(), box, 0, format, options);
+  if (!grid || box.empty()) return {};
+  const WorldBox bounds = world_bounds(store.header().lattice, box);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double least = grid->origin[a] + grid->scale[a] * kLeastStep;
+    const double most = grid->origin[a] + grid->scale[a] * kMostStep;
+    // Half a step beyond is rounded to the last.
+    const double half = grid->scale[a] / 2;
+    if (bounds.min[a] >= least - half && bounds.max[a] <= most + half) continue;
+    return Error{
+        Fault::kBadInput,
+        fmt::format("{}: found {} from {} to {}, expected {} to {}, which is what scale {} "
+                    "and offset {} can hold; use --scale or --offset",
+                    output, "xyz"[a], bounds.min[a], bounds.max[a], least, most, grid->scale[a],
+                    grid->origin[a])};
+  }
+  return {};
+}
+
 Result<ExportSummary> export_store(const Store& store, const std::string& output,
                                    const ExportOptions& options, MemoryBudget& budget,
                                    Monitor& monitor) {
@@ -116,6 +141,9 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
                     store.path(), store.header().schema.row_size())};
   PSS_TRY(check_output(std::array{store.path()}, output));
   PSS_ASSIGN(const Format format, format_for(output));
+  PSS_TRY(check_grid_options(output, format, options.scale || options.scale_auto,
+                             options.offset.has_value()));
+  PSS_TRY(check_grid(store, output, format, options));
   PSS_ASSIGN(const std::unique_ptr<Writer> writer,
              create_writer(output, write_options(store, format, options)));
   monitor.begin("write", store.points(), store.tiles().size());

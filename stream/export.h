@@ -33,9 +33,16 @@ struct ExportSummary {
 std::optional<Lattice> export_grid(const StoreHeader& header, const IndexBox& bounds, double margin,
                                    Format format, const ExportOptions& options);
 
+/// Refuses a grid that does not hold all positions of a store, before any work is done for them.
+///
+/// Errors: kBadInput naming the axis, where the points are, and what the grid holds.
+Result<void> check_grid(const Store& store, const std::string& output, Format format,
+                        const ExportOptions& options);
+
 /// Writes the rows of a complete store in order.
 ///
-/// Errors: kBadInput for a damaged or incomplete store, or a place that the format cannot hold.
+/// Errors: kBadInput for a damaged or incomplete store, or a place that the format cannot hold;
+///         kUsage for a scale or offset without a LAS output.
 Result<ExportSummary> export_store(const Store& store, const std::string& output,
                                    const ExportOptions& options, MemoryBudget& budget,
                                    Monitor& monitor);

@@ -128,7 +128,7 @@ Result<OutputSet> parse_outputs(const std::string& list) {
       for (const Word& known : kWords)
         if (word == known.name) found = known.output;
       if (!found)
-        return Error{Fault::kUsage, fmt::format("--outputs: unknown word \"{}\"; known are {}, all, none",
+        return Error{Fault::kUsage, fmt::format("unknown word \"{}\"; known are {}, all, none",
                                                 word, fmt::join(output_names(kAllOutputs), ", "))};
       set |= found;
     }

@@ -99,6 +99,7 @@ Result<bool> SmoothRun::has_result(const Job& started) const {
 
 Result<void> SmoothRun::compute(const WorkDirectory& work) {
   PSS_ASSIGN(const Store source, sorted_input(work));
+  PSS_TRY(check_grid(source, job_));
   PSS_ASSIGN(const Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
   report_.store_bytes = source.bytes_on_disk();

@@ -47,6 +47,7 @@ void add_times(SmoothEstimate& estimate, double neighbours) {
 Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
   PSS_ASSIGN(const Store source, Store::open(job.inputs.front()));
   PSS_TRY(check_attributes(job, source.header()));
+  PSS_TRY(check_grid(source, job));
   SmoothEstimate estimate;
   estimate.method = method_of(job.options);
   estimate.normals = normals_from(source.header().schema, estimate.method);

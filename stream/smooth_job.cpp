@@ -70,6 +70,17 @@ ProjectParameters parameters_for(const SmoothJob& job, const ChosenWidths& width
   return parameters;
 }
 
+/// Refuses an output of no known format, and a grid for one that has none.
+Result<void> check_format(const SmoothJob& job) {
+  const SmoothOptions& options = job.options;
+  std::optional<Format> format;
+  if (!is_store_name(job.output)) {
+    PSS_ASSIGN(format, format_for(job.output));
+  }
+  return check_grid_options(job.output, format, options.scale || options.scale_auto,
+                            options.offset.has_value());
+}
+
 bool positive(const World3& v) {
   return std::ranges::all_of(v, [](double x) { return x > 0 && std::isfinite(x); });
 }
@@ -81,10 +92,13 @@ Result<void> check_job(const SmoothJob& job) {
   PSS_TRY(check_widths(options.widths));
   if (job.inputs.empty()) return Error{Fault::kUsage, "no input given"};
   PSS_TRY(check_output(job.inputs, job.output));
-  if (!is_store_name(job.output)) PSS_TRY(format_for(job.output));
+  PSS_TRY(check_format(job));
   if (options.buffer && !(*options.buffer >= 0 && std::isfinite(*options.buffer)))
     return Error{Fault::kUsage,
                  fmt::format("--buffer: found {}, expected a length", *options.buffer)};
+  if (options.allow_inexact && !options.buffer)
+    return Error{Fault::kUsage,
+                 "--allow-inexact has no meaning without --buffer; leave it out, or give both"};
   PSS_TRY(check_buffer_width(options, known_reach(options).value_or(0)));
   if (options.scale && !positive(*options.scale))
     return Error{Fault::kUsage, "--scale: expected lengths above zero"};
@@ -151,6 +165,12 @@ Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& j
   parameters.method = normals_method(method_of(job.options));
   parameters.only_normals = true;
   return ProjectOperator::create(source, parameters);
+}
+
+Result<void> check_grid(const Store& source, const SmoothJob& job) {
+  if (is_store_name(job.output)) return {};
+  PSS_ASSIGN(const Format format, format_for(job.output));
+  return check_grid(source, job.output, format, export_options(job));
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {

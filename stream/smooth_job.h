@@ -31,6 +31,8 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
 /// The job's first pass over its sorted input, where its operator needs normals and that has none.
 Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths);
+/// Errors: kBadInput where the output's grid cannot hold the points that are to be smoothed.
+Result<void> check_grid(const Store& source, const SmoothJob& job);
 /// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);
 

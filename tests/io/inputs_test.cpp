@@ -46,8 +46,21 @@ class InputsTest : public ::testing::Test {
 using Names = std::vector<std::string>;
 
 TEST_F(InputsTest, KeepFilesInTheirOrder) {
-  EXPECT_EQ(expand({"b.las", "a.las", "b.las", "notes.md"}),
-            (Names{"b.las", "a.las", "b.las", "notes.md"}));
+  EXPECT_EQ(expand({"b.las", "a.las", "notes.md"}), (Names{"b.las", "a.las", "notes.md"}));
+}
+
+TEST_F(InputsTest, RefuseAFileThatIsThereTwiceByAnyName) {
+  std::filesystem::create_symlink(directory_.path() / "a.las", directory_.path() / "link.las");
+  std::filesystem::create_hard_link(directory_.path() / "a.las", directory_.path() / "hard.las");
+
+  for (const char* again : {"a.las", "link.las", "hard.las", "empty/../a.las", "a.l*"}) {
+    const auto paths =
+        expand_inputs(std::vector{directory_ / "a.las", directory_ / "b.las", directory_ / again});
+
+    ASSERT_FALSE(paths) << again;
+    EXPECT_EQ(paths.error().fault, Fault::kUsage);
+    EXPECT_NE(paths.error().message.find("same file"), std::string::npos);
+  }
 }
 
 TEST_F(InputsTest, ExpandADirectoryToItsScansByName) {
@@ -70,8 +83,8 @@ TEST_F(InputsTest, ReadListsWithOnePathALine) {
       directory_ / "list.txt",
       directory_ / "b.las" + "\r\n\n" + (directory_ / "c d.ply") + "\n" + (directory_ / "a.*"));
 
-  EXPECT_EQ(expand({"@list.txt", "b.las"}),
-            (Names{"b.las", "c d.ply", "a.las", "a.las.part", "b.las"}));
+  EXPECT_EQ(expand({"@list.txt", "notes.md"}),
+            (Names{"b.las", "c d.ply", "a.las", "a.las.part", "notes.md"}));
 }
 
 TEST_F(InputsTest, NameWhatIsMissing) {
@@ -116,6 +129,28 @@ TEST_F(InputsTest, AreNeverAnOutputByAnyName) {
   }
   EXPECT_TRUE(check_output(inputs, directory_ / "c d.ply"));
   EXPECT_TRUE(check_output(inputs, directory_ / "new.las"));
+}
+
+TEST_F(InputsTest, HoldNoOutputWhereTheyAreStoresAndNoDirectoryIsOne) {
+  const std::vector<std::string> inputs{directory_ / "store.pss"};
+
+  const Result<void> within = check_output(inputs, directory_ / "empty/../store.pss/out.las");
+  const Result<void> directory = check_output({}, directory_ / "empty");
+
+  ASSERT_FALSE(within);
+  EXPECT_EQ(within.error().fault, Fault::kUsage);
+  ASSERT_FALSE(directory);
+  EXPECT_NE(directory.error().message.find("is a directory"), std::string::npos);
+  EXPECT_TRUE(check_output({}, directory_ / "store.pss")) << "a store may be replaced";
+}
+
+TEST_F(InputsTest, AreNoStoresWhereOnlyFilesAreRead) {
+  const Result<void> checked =
+      check_files(std::vector{directory_ / "a.las", directory_ / "store.pss"});
+
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().fault, Fault::kUsage);
+  EXPECT_NE(checked.error().message.find("pss export"), std::string::npos);
 }
 
 TEST_F(InputsTest, NameTheMissingFolderOfAnOutput) {
