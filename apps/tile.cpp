@@ -68,7 +68,8 @@ class Tile : public Command {
     reports_.declare_report(arguments);
     arguments.epilogue(
         "A store holds the points in spatial order, cut into compressed tiles; smooth takes one\n"
-        "instead of files. Interrupted or killed, the same command goes on where it stopped.\n\n"
+        "instead of files. Interrupted or killed, the same command goes on where it stopped.\n"
+        "The page docs/report.md lies in share/doc/pss where pss is installed.\n\n"
         "Examples:\n"
         "  pss tile scans/*.las -o scans.pss --memory-limit 2G\n"
         "  pss tile @list.txt -o all.pss --work-dir tmp/work");
