@@ -22,7 +22,8 @@ inline constexpr std::size_t kLasLegacyReturns = 5;
 
 /// The standard's own fields, as they stand in the file; those that a version lacks are zero.
 ///
-/// Source: ASPRS, "LAS Specification 1.4 - R15", 2019, section 2.4.
+/// Source: ASPRS, "LAS Specification 1.4 - R15", 2019, section 2.4. LAS 1.5 - R00 adds the range of
+///         GPS times and their offset behind these fields; a file that is carried on keeps them.
 struct LasHeader {
   std::uint16_t file_source_id = 0;
   std::uint16_t global_encoding = 0;

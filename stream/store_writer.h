@@ -57,7 +57,7 @@ class StoreWriter {
 
   /// Appends a block of the tile that is being written.
   Result<void> append(const EncodedBlock& block);
-  /// Ends the tile: index, fsync of the segment, manifest record, fsync.
+  /// Ends the tile: index, fsync of the segment, manifest record, fsync of the manifest.
   ///
   /// Tiles may share the syncs: with `sync` false they become durable at the next commit with true.
   Result<void> commit_tile(const Cell& cell, std::vector<std::byte> note = {}, bool sync = true);

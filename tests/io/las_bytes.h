@@ -65,7 +65,10 @@ struct LasFile {
 
 /// Point i lies at (100 i, -100 i, i) steps of 0.01; its other bytes count up.
 inline std::string las(const LasFile& file) {
-  const std::size_t header = file.minor >= 4 ? 375 : file.minor == 3 ? 235 : 227;
+  const std::size_t header = file.minor >= 5   ? 393
+                             : file.minor == 4 ? 375
+                             : file.minor == 3 ? 235
+                                               : 227;
   const std::size_t record = kRecordSizes[file.format] + file.extra;
   std::string bytes(header, '\0');
   std::memcpy(bytes.data(), "LASF", 4);
@@ -95,6 +98,11 @@ inline std::string las(const LasFile& file) {
     put(point, 4, -static_cast<std::int32_t>(100 * i));
     put(point, 8, static_cast<std::int32_t>(i));
     bytes += point;
+  }
+  if (file.minor >= 5) {
+    put(bytes, 375, 2.5e8);  // largest and least GPS time
+    put(bytes, 383, 1.5e8);
+    put(bytes, 391, std::uint16_t{1500});  // what times count from, in millions of seconds
   }
   if (file.minor >= 4) {
     put(bytes, 235, std::uint64_t{file.evlr_count == 0 ? 0 : bytes.size()});

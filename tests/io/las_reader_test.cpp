@@ -33,6 +33,21 @@ TEST_F(LasReaderTest, KeepsEveryByteAfterTheCoordinates) {
   }
 }
 
+TEST_F(LasReaderTest, ReadsLas15AlsoWhereItsHeaderEndsAsThatOfLas14Does) {
+  std::string short_header = las({.minor = 4, .format = 6, .points = 4});
+  put(short_header, 25, std::uint8_t{5});
+
+  for (const std::string& bytes : {las({.minor = 5, .format = 6, .points = 4}), short_header}) {
+    const auto reader = open(bytes);
+    ASSERT_TRUE(reader) << reader.error().message;
+    const auto points = read_all(**reader);
+
+    ASSERT_TRUE(points) << points.error().message;
+    ASSERT_EQ(points->index.size(), 4u);
+    EXPECT_EQ(points->index[3], (Index3{300, -300, 3}));
+  }
+}
+
 TEST_F(LasReaderTest, DecodesFetchedPointsAsItReadsThem) {
   const auto reader = open(las({.minor = 4, .format = 7, .extra = 3, .points = 11}));
   ASSERT_TRUE(reader) << reader.error().message;

@@ -31,6 +31,30 @@ TEST_F(LasWriterTest, CopiesEveryFormatByteForByte) {
     }
 }
 
+TEST_F(LasWriterTest, CopiesLas15WithTheTimesOfItsHeader) {
+  const std::string content = las({.minor = 5, .format = 7, .points = 4});
+  read(content);
+  WriteOptions options = carried();
+  options.same_points = true;
+
+  EXPECT_EQ(write(options, points_), content);
+}
+
+TEST_F(LasWriterTest, KeepsTheTimesOfALas15HeaderBesideNewAttributes) {
+  read(las({.minor = 5, .format = 7, .points = 4}));
+  append_value(header_.schema, field("Height", Type::kFloat32), 7);
+
+  const std::string written = write(carried(), points_);
+
+  EXPECT_EQ(get<std::uint8_t>(written, 25), 5);
+  EXPECT_EQ(get<std::uint16_t>(written, 94), 393);
+  EXPECT_EQ(get<double>(written, 375), 2.5e8);
+  EXPECT_EQ(get<double>(written, 383), 1.5e8);
+  EXPECT_EQ(get<std::uint16_t>(written, 391), 1500);
+  read(written);
+  EXPECT_EQ(points_.size(), 4u);
+}
+
 TEST_F(LasWriterTest, KeepsAWrongHeaderOnlyForTheSamePoints) {
   std::string content = las({.format = 1, .points = 4});
   put(content, 179, 1e9);                        // a bound that no point has
