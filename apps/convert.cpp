@@ -26,6 +26,7 @@ class Convert : public Command {
                      options_.scale, parse_scale);
     arguments.option("--offset", "X,Y,Z", "LAS: origin of the written coordinates [the input's]",
                      options_.offset, parse_triple);
+    declare_drop_outside(arguments, options_.drop_outside);
     declare_overwrite(arguments, options_.overwrite);
     reports_.declare_progress(arguments);
     arguments.epilogue(

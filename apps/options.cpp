@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -29,6 +30,18 @@ std::optional<double> take_number(std::string_view& text) {
   if (fault != std::errc() || !std::isfinite(value)) return std::nullopt;
   text.remove_prefix(static_cast<std::size_t>(rest - text.data()));
   return value;
+}
+
+/// Whether `text` is that many numbers with commas between them, and nothing else.
+bool take_numbers(std::string_view text, std::span<double> values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i > 0 && !text.starts_with(',')) return false;
+    if (i > 0) text.remove_prefix(1);
+    const std::optional<double> value = take_number(text);
+    if (!value) return false;
+    values[i] = *value;
+  }
+  return text.empty();
 }
 
 /// `base` to the power that a suffix stands for: k 1, M 2, G 3, T 4; none 0.
@@ -122,16 +135,21 @@ Result<std::uint64_t> parse_size(std::string_view text) {
 
 Result<World3> parse_triple(std::string_view text) {
   World3 values{};
-  std::string_view rest = text;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (axis > 0 && !rest.starts_with(',')) return usage(text, "three numbers X,Y,Z");
-    if (axis > 0) rest.remove_prefix(1);
-    std::optional<double> value = take_number(rest);
-    if (!value) return usage(text, "three numbers X,Y,Z");
-    values[axis] = *value;
-  }
-  if (!rest.empty()) return usage(text, "three numbers X,Y,Z");
+  if (!take_numbers(text, values)) return usage(text, "three numbers X,Y,Z");
   return values;
+}
+
+Result<WorldBox> parse_box(std::string_view text) {
+  std::array<double, 6> ends{};
+  WorldBox box;
+  bool good = take_numbers(text, ends);
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.min[a] = ends[a];
+    box.max[a] = ends[a + 3];
+    good = good && box.min[a] <= box.max[a];
+  }
+  if (!good) return usage(text, "six numbers XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX, least ends first");
+  return box;
 }
 
 Result<World3> parse_scale(std::string_view text) {
@@ -203,6 +221,14 @@ std::string state_folder() {
   if (state && *state == '/') return std::string(state) + "/pss";  // its standard wants it absolute
   const char* home = std::getenv("HOME");
   return home && *home == '/' ? std::string(home) + "/.local/state/pss" : "";
+}
+
+void declare_drop_outside(Arguments& arguments, std::optional<WorldBox>& box) {
+  arguments.option("--drop-outside", "BOX",
+                   "Leave out the points outside this box, and count them: "
+                   "XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX; for stray points so far away that coordinates "
+                   "lose their precision [keep all]",
+                   box, parse_box);
 }
 
 void declare_overwrite(Arguments& arguments, bool& overwrite) {

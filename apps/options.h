@@ -32,6 +32,8 @@ Result<std::uint32_t> parse_tile_points(std::string_view text);
 Result<std::uint64_t> parse_size(std::string_view text);
 /// Three numbers: "X,Y,Z".
 Result<World3> parse_triple(std::string_view text);
+/// A box: "XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX".
+Result<WorldBox> parse_box(std::string_view text);
 /// A triple, or one number for all three.
 Result<World3> parse_scale(std::string_view text);
 
@@ -83,6 +85,9 @@ struct JobOptions {
 /// Where it is remembered which outputs are complete: $XDG_STATE_HOME/pss, or ~/.local/state/pss;
 /// empty where neither is known.
 std::string state_folder();
+
+/// --drop-outside, which leaves far points out.
+void declare_drop_outside(Arguments& arguments, std::optional<WorldBox>& box);
 
 /// --overwrite alone, for commands that are no jobs.
 void declare_overwrite(Arguments& arguments, bool& overwrite);

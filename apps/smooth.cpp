@@ -133,6 +133,7 @@ class Smooth : public Command {
                      options.buffer, parse_positive);
     arguments.flag("--allow-inexact", "Take a --buffer that is too narrow: radii shrink to it",
                    options.allow_inexact);
+    declare_drop_outside(arguments, options.drop_outside);
     grid_.declare(arguments);
   }
 

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
+#include "apps/ingest_text.h"
 #include "apps/progress_view.h"
 #include "core/status.h"
 
@@ -64,6 +68,7 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
   if (report.already_complete) return {fmt::format("{}: already complete", report.output)};
   std::vector<std::string> lines = report.notes;
   const ProjectStatistics& statistics = report.statistics;
+  std::ranges::copy(ingest_lines(report.ingest), std::back_inserter(lines));
   lines.push_back(method_text(report.method, report.normals) + redone_text(statistics));
   lines.push_back(widths_text(report.widths));
   lines.push_back(fmt::format("neighbours {:.1f} a point; moved by {:.4g} rms, {:.4g} at most",

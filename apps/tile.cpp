@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/command.h"
+#include "apps/ingest_text.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/report_file.h"
@@ -40,7 +41,10 @@ struct TileJob {
 Result<JobRecord> record_of(const TileJob& job) {
   const nlohmann::json sorting = {
       {"tile-points", job.ingest.tile_points},
-      {"scale", job.ingest.scale ? nlohmann::json(*job.ingest.scale) : nlohmann::json()}};
+      {"scale", job.ingest.scale ? nlohmann::json(*job.ingest.scale) : nlohmann::json()},
+      {"drop-outside", job.ingest.drop_outside ? nlohmann::json{job.ingest.drop_outside->min,
+                                                                job.ingest.drop_outside->max}
+                                               : nlohmann::json()}};
   JobRecord record{
       .command = "tile", .output = job.output, .sorting = sorting.dump(), .parameters = "{}"};
   for (const std::string& input : job.inputs) {
@@ -60,6 +64,7 @@ class Tile : public Command {
                      "Step of the common lattice, for inputs that fit none "
                      "[LAS: the finest scale of the inputs]",
                      job_.ingest.scale, parse_scale);
+    declare_drop_outside(arguments, job_.ingest.drop_outside);
     limits_.declare(arguments);
     job_.directory.declare(arguments);
     arguments.option("--tile-points", "N", "Points a tile owns at most, for experiments [262144]",
@@ -134,12 +139,7 @@ class Tile : public Command {
   }
 
   void tell(const IngestSummary& summary, const MemoryBudget& budget, Progress& progress) const {
-    if (summary.dropped_not_finite > 0)
-      progress.note(fmt::format("dropped {} points whose position is not finite",
-                                grouped(summary.dropped_not_finite)));
-    if (summary.moved_to_lattice > 0)
-      progress.note(fmt::format("moved {} points onto the common lattice, by {:.3g} at most",
-                                grouped(summary.moved_to_lattice), summary.largest_move));
+    for (const std::string& line : ingest_lines(summary)) progress.note(line);
     progress.note(fmt::format("{}: {} points in {}; peak memory {} of {}", job_.output,
                               grouped(summary.points_stored), short_time(progress.seconds()),
                               short_size(peak_resident()), short_size(budget.limit())));

@@ -59,6 +59,22 @@ void WorldBox::add(const WorldBox& b) {
   add(b.max);
 }
 
+bool WorldBox::contains(const World3& p) const {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (!(p[a] >= min[a] && p[a] <= max[a])) return false;
+  return true;
+}
+
+WorldBox WorldBox::clipped(const WorldBox& b) const {
+  WorldBox both;
+  for (std::size_t a = 0; a < 3; ++a) {
+    both.min[a] = std::max(min[a], b.min[a]);
+    both.max[a] = std::min(max[a], b.max[a]);
+    if (!(both.min[a] <= both.max[a])) return {};
+  }
+  return both;
+}
+
 void IndexBox::add(const Index3& p) {
   for (std::size_t a = 0; a < 3; ++a) {
     min[a] = std::min(min[a], p[a]);

@@ -56,6 +56,11 @@ struct WorldBox {
   bool empty() const { return min[0] > max[0]; }
   void add(const World3& p);
   void add(const WorldBox& b);
+  /// Whether a position lies inside or on the border; one that is not a number does not.
+  bool contains(const World3& p) const;
+  /// What both boxes hold; empty where they do not meet.
+  WorldBox clipped(const WorldBox& b) const;
+  bool operator==(const WorldBox&) const = default;
 };
 
 /// A closed box of lattice positions; empty while min > max.

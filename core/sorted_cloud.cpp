@@ -12,6 +12,7 @@
 #include "core/morton.h"
 #include "core/neighbours.h"
 #include "core/position_sample.h"
+#include "core/world_sample.h"
 #include "core/spacing.h"
 #include "core/vec3.h"
 
@@ -70,6 +71,33 @@ Lattice lattice_of(std::span<const World3> points) {
   return lattice_for(bounds);
 }
 
+/// The point farthest from `middle` along any axis.
+std::size_t farthest_from(const World3& middle, std::span<const World3> points) {
+  const auto distance = [&](const World3& p) {
+    return std::max(
+        {std::abs(p[0] - middle[0]), std::abs(p[1] - middle[1]), std::abs(p[2] - middle[2])});
+  };
+  return static_cast<std::size_t>(std::ranges::max_element(points, {}, distance) - points.begin());
+}
+
+/// Errors: a point so far away that the lattice chosen for all makes many of the others one.
+Result<void> check_step(std::span<const World3> points, const Lattice& lattice) {
+  WorldSample sample;
+  for (const World3& p : points) sample.add(p);
+  const double step = lattice.scale[0];
+  PSS_ASSIGN(const double spacing, spacing_beside(step, sample, [&](SpacingMeter& meter) {
+               meter.add(points);
+               return Result<void>();
+             }));
+  if (!too_coarse(step, spacing)) return {};
+  const std::size_t far = farthest_from(sample.middle(), points);
+  return bad(fmt::format(
+      "point {}: ({}, {}, {}) is so far from the others that the lattice would have steps of "
+      "{:.3g}, more than a hundredth of their spacing of {:.3g}; leave such points out, or give a "
+      "lattice",
+      far, points[far][0], points[far][1], points[far][2], step, spacing));
+}
+
 }  // namespace
 
 Normal unit_normal(const World3& direction) {
@@ -87,6 +115,7 @@ Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const N
   SortedCloud cloud;
   cloud.lattice = lattice ? *lattice : lattice_of(points);
   PSS_TRY(check_on_lattice(points, cloud.lattice));
+  if (!lattice) PSS_TRY(check_step(points, cloud.lattice));
 
   std::vector<Key> keys(points.size());
   std::ranges::transform(points, keys.begin(),

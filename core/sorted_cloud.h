@@ -29,7 +29,8 @@ struct SortedCloud {
 ///
 /// Shape:  `normals` is empty, or has one for each point: of any length, zeros for none.
 /// Errors: kBadInput, naming the first such point, where one is not finite or not on the lattice,
-///         or a normal is not finite; where there are 2^32 - 1 points or more.
+///         or a normal is not finite; where one lies so far away that lattice_for() is too coarse
+///         for the spacing of the others; where there are 2^32 - 1 points or more.
 /// Cost:   O(n); 48 bytes a point beside the result.
 Result<SortedCloud> sort_cloud(std::span<const World3> points, std::span<const Normal> normals = {},
                                const std::optional<Lattice>& lattice = std::nullopt);

@@ -83,7 +83,11 @@ Result<FirstMeasurement> measure_positions(const Lattice& lattice, std::span<con
 
 }  // namespace
 
-double spacing_of_d16(double d16) { return d16 * std::sqrt(std::numbers::pi / kSpacingRank); }
+double spacing_of_distance(double distance, int rank) {
+  return distance * std::sqrt(std::numbers::pi / rank);
+}
+
+double spacing_of_d16(double d16) { return spacing_of_distance(d16, kSpacingRank); }
 
 Result<SpacingSample> spacing_over(const Lattice& lattice, std::span<const Index3> sample,
                                    const NearestOf& nearest) {

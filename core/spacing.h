@@ -18,7 +18,10 @@ inline constexpr int kSpacingRank = 16;
 /// The spacing is measured on so many distinct positions (PositionSample).
 inline constexpr std::size_t kSpacingSample = 4096;
 
-/// d16 to spacing: a disc of radius d16 holds 16 points, each with an area of spacing^2.
+/// The distance to the `rank`-th nearest to spacing: a disc of that radius holds `rank` points,
+/// each with an area of spacing^2.
+double spacing_of_distance(double distance, int rank);
+/// The same at kSpacingRank.
 double spacing_of_d16(double d16);
 
 /// The distance to the 16th neighbour over the sample, twins counted once.

@@ -18,6 +18,7 @@ namespace pss {
 struct ConvertOptions {
   std::optional<World3> scale;   ///< LAS; default: the first input's, or one chosen for the bounds
   std::optional<World3> offset;  ///< LAS
+  std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
   bool overwrite = false;
 };
 

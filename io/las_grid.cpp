@@ -13,7 +13,7 @@ constexpr double kMax = 2147483647.0;
 /// Room for the offset's rounding, and for points that move a little.
 constexpr double kRoomySteps = 2000000000.0;
 constexpr int kFinestExponent = -18;
-constexpr int kCoarsestExponent = 18;
+constexpr int kCoarsestExponent = 300;
 constexpr double kPointExtent = 1e-6;
 
 /// The double nearest to 10^exponent, by one exactly rounded operation.
@@ -71,6 +71,40 @@ bool las_grid_holds(const Lattice& grid, const WorldBox& bounds) {
       if (!(steps >= kMin && steps <= kMax)) return false;  // also NaN
     }
   return true;
+}
+
+namespace {
+
+/// A grid about the centre of the bounds: of `scale` where that holds them, otherwise coarser.
+Lattice holding_grid(const WorldBox& bounds, const World3& scale) {
+  Lattice grid{scale, {}};
+  for (std::size_t a = 0; a < 3; ++a) grid.origin[a] = round_offset(bounds, a, scale[a]);
+  if (las_grid_holds(grid, bounds)) return grid;
+  double coarsest = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    coarsest = std::max(coarsest, finest_scale(half_side(bounds, a)));
+  for (std::size_t a = 0; a < 3; ++a) grid.origin[a] = round_offset(bounds, a, coarsest);
+  grid.scale = {coarsest, coarsest, coarsest};
+  return grid;
+}
+
+}  // namespace
+
+Result<void> check_las_grid(const std::string& path, const Lattice& grid, const WorldBox& bounds,
+                            const WorldBox& all) {
+  if (bounds.empty() || las_grid_holds(grid, bounds)) return {};
+  const Lattice better = holding_grid(all, grid.scale);
+  const World3& origin = better.origin;
+  const std::string scale =
+      better.scale == grid.scale ? "" : fmt::format("--scale={} ", better.scale[0]);
+  return Error{
+      Fault::kBadInput,
+      fmt::format("{}: positions from ({}, {}, {}) to ({}, {}, {}) do not fit into LAS with scale "
+                  "({}, {}, {}) and offset ({}, {}, {}), which hold 2^31 steps to either side; use "
+                  "{}--offset={},{},{}",
+                  path, bounds.min[0], bounds.min[1], bounds.min[2], bounds.max[0], bounds.max[1],
+                  bounds.max[2], grid.scale[0], grid.scale[1], grid.scale[2], grid.origin[0],
+                  grid.origin[1], grid.origin[2], scale, origin[0], origin[1], origin[2])};
 }
 
 Lattice las_grid_for(const WorldBox& bounds) {

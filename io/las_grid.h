@@ -5,12 +5,22 @@
 #include <string>
 #include <vector>
 
+#include "core/result.h"
 #include "io/writer.h"
 
 namespace pss {
 
 /// Whether every position within the bounds has a 32-bit integer on the grid.
 bool las_grid_holds(const Lattice& grid, const WorldBox& bounds);
+
+/// Errors: kBadInput where `bounds`, of the points of `path`, do not fit the grid, with the
+/// --offset that would hold them, and the --scale where no offset would do alone. `all` are the
+/// bounds of everything that the grid is for.
+Result<void> check_las_grid(const std::string& path, const Lattice& grid, const WorldBox& bounds,
+                            const WorldBox& all);
+
+/// So many steps a side of the bounds has at least on a grid whose scale is chosen for them.
+inline constexpr double kLeastLasSteps = 4e8;
 
 /// The finest power of ten for which the bounds fit, and a round offset near their centre.
 ///

@@ -16,8 +16,6 @@ namespace {
 
 /// The part of the int32 range that a chosen grid fills at most.
 constexpr double kUsableSteps = 2.0e9;
-constexpr double kLeastStep = std::numeric_limits<std::int32_t>::min();
-constexpr double kMostStep = std::numeric_limits<std::int32_t>::max();
 
 double power_of_ten(int exponent) {
   double power = 1;
@@ -45,14 +43,6 @@ Lattice chosen_grid(const WorldBox& bounds, double margin) {
   return grid;
 }
 
-WorldBox world_bounds(const Lattice& lattice, const IndexBox& bounds) {
-  WorldBox world;
-  if (bounds.empty()) return world;
-  world.add(to_world(lattice, bounds.min));
-  world.add(to_world(lattice, bounds.max));
-  return world;
-}
-
 WriteOptions write_options(const Store& store, Format format, const ExportOptions& options) {
   const StoreHeader& header = store.header();
   WriteOptions write;
@@ -61,11 +51,11 @@ WriteOptions write_options(const Store& store, Format format, const ExportOption
   write.grid = header.lattice;
   write.count = store.points();
   write.carry = header.carry;
-  write.bounds = world_bounds(header.lattice, bounds_of(store));
+  write.bounds = world_bounds_of(store);
   write.rules = options.rules;
   // Positions that came as floating point are known to half a step of their lattice.
   if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
-  const auto grid = export_grid(header, bounds_of(store), 0, format, options);
+  const auto grid = export_grid(header, *write.bounds, 0, format, options);
   if (grid) {
     write.scale = grid->scale;
     write.offset = grid->origin;
@@ -92,37 +82,26 @@ IndexBox bounds_of(const Store& store) {
   return bounds;
 }
 
-std::optional<Lattice> export_grid(const StoreHeader& header, const IndexBox& bounds, double margin,
+WorldBox world_bounds_of(const Store& store) {
+  const IndexBox bounds = bounds_of(store);
+  WorldBox world;
+  if (bounds.empty()) return world;
+  world.add(to_world(store.header().lattice, bounds.min));
+  world.add(to_world(store.header().lattice, bounds.max));
+  return world;
+}
+
+bool chooses_scale(const StoreHeader& header, const ExportOptions& options) {
+  return !options.scale && (options.scale_auto || !header.grid);
+}
+
+std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
                                    Format format, const ExportOptions& options) {
   if (format != Format::kLas) return std::nullopt;
-  Lattice grid = header.grid && !options.scale_auto
-                     ? *header.grid
-                     : chosen_grid(world_bounds(header.lattice, bounds), margin);
+  Lattice grid = header.grid && !options.scale_auto ? *header.grid : chosen_grid(bounds, margin);
   if (options.scale) grid.scale = *options.scale;
   if (options.offset) grid.origin = *options.offset;
   return grid;
-}
-
-Result<void> check_grid(const Store& store, const std::string& output, Format format,
-                        const ExportOptions& options) {
-  const IndexBox box = bounds_of(store);
-  const auto grid = export_grid(store.header(), box, 0, format, options);
-  if (!grid || box.empty()) return {};
-  const WorldBox bounds = world_bounds(store.header().lattice, box);
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double least = grid->origin[a] + grid->scale[a] * kLeastStep;
-    const double most = grid->origin[a] + grid->scale[a] * kMostStep;
-    // Half a step beyond is rounded to the last.
-    const double half = grid->scale[a] / 2;
-    if (bounds.min[a] >= least - half && bounds.max[a] <= most + half) continue;
-    return Error{
-        Fault::kBadInput,
-        fmt::format("{}: found {} from {} to {}, expected {} to {}, which is what scale {} "
-                    "and offset {} can hold; use --scale or --offset",
-                    output, "xyz"[a], bounds.min[a], bounds.max[a], least, most, grid->scale[a],
-                    grid->origin[a])};
-  }
-  return {};
 }
 
 Result<ExportSummary> export_store(const Store& store, const std::string& output,
@@ -143,7 +122,10 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
   PSS_ASSIGN(const Format format, format_for(output));
   PSS_TRY(check_grid_options(output, format, options.scale || options.scale_auto,
                              options.offset.has_value()));
-  PSS_TRY(check_grid(store, output, format, options));
+  std::string note;
+  if (!options.checked) {
+    PSS_ASSIGN(note, check_export(store, 0, format, options, monitor));
+  }
   PSS_ASSIGN(const std::unique_ptr<Writer> writer,
              create_writer(output, write_options(store, format, options)));
   monitor.begin("write", store.points(), store.tiles().size());
@@ -158,7 +140,9 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
     monitor.advance(0, 1);
   }
   PSS_TRY(writer->finish());
-  return ExportSummary{store.points(), writer->grid(), writer->notes()};
+  ExportSummary summary{store.points(), writer->grid(), writer->notes()};
+  if (!note.empty()) summary.notes.push_back(std::move(note));
+  return summary;
 }
 
 }  // namespace pss

@@ -19,6 +19,7 @@ struct ExportOptions {
   bool scale_auto = false;       ///< LAS: the finest scale that holds the bounds
   std::optional<World3> offset;  ///< LAS
   OutputRules rules;             ///< of the file that appears
+  bool checked = false;          ///< check_export() has passed for what the rows were made from
 };
 
 struct ExportSummary {
@@ -30,14 +31,22 @@ struct ExportSummary {
 /// The grid that a file written from a store gets; empty where the format has none.
 ///
 /// `margin` widens the bounds that a grid is chosen for, where none is given.
-std::optional<Lattice> export_grid(const StoreHeader& header, const IndexBox& bounds, double margin,
+std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
                                    Format format, const ExportOptions& options);
 
-/// Refuses a grid that does not hold all positions of a store, before any work is done for them.
+/// Whether export_grid() chooses the scale for the bounds.
+bool chooses_scale(const StoreHeader& header, const ExportOptions& options);
+
+/// Refuses what a LAS file of a store could not hold, before any work goes into it. Returns what
+/// should be known of a scale that was given by hand; empty for nothing.
 ///
-/// Errors: kBadInput naming the axis, where the points are, and what the grid holds.
-Result<void> check_grid(const Store& store, const std::string& output, Format format,
-                        const ExportOptions& options);
+/// Where positions will be rounded, the spacing of the points is measured in a pass over them.
+/// Errors: kBadInput where the store's box does not fit the grid, with the --scale or --offset that
+///         would do; where a chosen scale is too coarse for the spacing because of a far point:
+///         `advice` leads to the --drop-outside that would do.
+Result<std::string> check_export(
+    const Store& store, double margin, Format format, const ExportOptions& options,
+    Monitor& monitor, const char* advice = "make the store without such points, by pss tile with");
 
 /// Writes the rows of a complete store in order.
 ///
@@ -47,7 +56,8 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
                                    const ExportOptions& options, MemoryBudget& budget,
                                    Monitor& monitor);
 
-/// The box of all rows of a store.
+/// The box of all rows of a store, on its lattice and in the world.
 IndexBox bounds_of(const Store& store);
+WorldBox world_bounds_of(const Store& store);
 
 }  // namespace pss

@@ -274,11 +274,12 @@ class Ingest {
 
   Result<IngestSummary> finish() {
     summary_.points_stored = store_->points();
-    if (summary_.points_read - summary_.dropped_not_finite != summary_.points_stored)
+    summary_.spacing = plan_.spacing;
+    if (summary_.points_read != summary_.points_stored + summary_.dropped())
       return Error{
           Fault::kFailed,
           fmt::format("{}: {} points stored, {} read and {} dropped; use --restart", store_path_,
-                      summary_.points_stored, summary_.points_read, summary_.dropped_not_finite)};
+                      summary_.points_stored, summary_.points_read, summary_.dropped())};
     PSS_TRY(store_->finish(stored_summary(summary_)));
     PSS_TRY(remove_runs(runs_folder(work_dir_)));
     return summary_;

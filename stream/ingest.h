@@ -9,6 +9,7 @@
 #include "core/result.h"
 #include "io/reader.h"
 #include "stream/early_sync.h"
+#include "stream/export.h"
 #include "stream/memory.h"
 #include "stream/store.h"
 
@@ -16,7 +17,10 @@ namespace pss {
 
 struct IngestOptions {
   std::uint32_t tile_points = kTilePoints;
-  std::optional<World3> scale;  ///< lattice step by hand
+  std::optional<World3> scale;           ///< lattice step by hand
+  std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
+  /// How a LAS file will be written of the store, where one will: it must hold the points.
+  std::optional<ExportOptions> las_output;
   SyncSizes sync;
   bool source_column = false;  ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
 };
@@ -27,12 +31,16 @@ struct IngestPlan {
   std::vector<std::string> inputs;
   std::vector<std::uint64_t> counts;  ///< points a file, as promised (0: unknown)
   std::uint64_t points = 0;           ///< their sum
-  std::vector<std::string> notes;     ///< files whose points move onto the common lattice, ...
+  std::optional<WorldBox> drop_outside;
+  double spacing = 0;  ///< of the points, where all positions were read for the plan; 0: not known
+  std::vector<std::string> notes;  ///< files whose points move onto the common lattice, ...
 };
 
 /// Reads the headers, and where a format has no bounds or grid, all positions once.
 ///
-/// Errors: kBadInput for CRS mismatch, no common lattice, unsupported or damaged files.
+/// Errors: kBadInput for CRS mismatch, no common lattice, unsupported or damaged files, and for
+///         floating-point positions of which some lie so far away that the lattice, or the grid
+///         that a LAS output would get, is too coarse for the spacing of the others.
 Result<IngestPlan> plan_ingest(const std::vector<std::string>& inputs, const IngestOptions& options,
                                Monitor& monitor);
 
@@ -41,10 +49,14 @@ struct IngestSummary {
   std::uint64_t points_read = 0;
   std::uint64_t points_stored = 0;
   std::uint64_t dropped_not_finite = 0;
+  std::uint64_t dropped_outside = 0;   ///< outside IngestOptions::drop_outside
   std::uint64_t moved_to_lattice = 0;  ///< points whose position was rounded
   double largest_move = 0;
+  double spacing = 0;       ///< IngestPlan::spacing
   double read_seconds = 0;  ///< reading, sorting, writing runs
   double merge_seconds = 0;
+
+  std::uint64_t dropped() const { return dropped_not_finite + dropped_outside; }
 };
 
 std::string to_json(const IngestSummary& summary);

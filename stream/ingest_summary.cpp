@@ -11,8 +11,10 @@ std::string to_json(const IngestSummary& summary) {
       {"points_read", summary.points_read},
       {"points_stored", summary.points_stored},
       {"dropped_not_finite", summary.dropped_not_finite},
+      {"dropped_outside", summary.dropped_outside},
       {"moved_to_lattice", summary.moved_to_lattice},
       {"largest_move", summary.largest_move},
+      {"spacing", summary.spacing},
       {"read_seconds", summary.read_seconds},
       {"merge_seconds", summary.merge_seconds},
   };
@@ -32,8 +34,10 @@ Result<IngestSummary> ingest_summary_from_json(const std::string& text) {
   summary.points_read = number("points_read", std::uint64_t{0});
   summary.points_stored = number("points_stored", std::uint64_t{0});
   summary.dropped_not_finite = number("dropped_not_finite", std::uint64_t{0});
+  summary.dropped_outside = number("dropped_outside", std::uint64_t{0});
   summary.moved_to_lattice = number("moved_to_lattice", std::uint64_t{0});
   summary.largest_move = number("largest_move", 0.0);
+  summary.spacing = number("spacing", 0.0);
   summary.read_seconds = number("read_seconds", 0.0);
   summary.merge_seconds = number("merge_seconds", 0.0);
   return summary;

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "core/parallel.h"
+#include "io/positions.h"
 
 namespace pss {
 namespace {
@@ -13,6 +15,10 @@ namespace {
 template <class T>
 void store_at(std::byte* row, std::size_t position, T value) {
   std::memcpy(row + position, &value, sizeof value);
+}
+
+bool finite(const World3& p) {
+  return std::ranges::all_of(p, [](double v) { return std::isfinite(v); });
 }
 
 Error interrupted() { return {Fault::kInterrupted, "stopped while reading points"}; }
@@ -103,13 +109,24 @@ void InputStream::write_sources(const PointBatch& points, std::span<std::byte> r
   }
 }
 
-/// Makes the keys; points that are not finite make room for those behind them.
+/// Whether the point lies outside the box that is kept; one that is not finite lies nowhere.
+bool InputStream::dropped_outside(const PointBatch& points, std::size_t i) const {
+  if (!plan_.drop_outside) return false;
+  const World3 world = world_position(points, reader_->header().grid, i);
+  return finite(world) && !plan_.drop_outside->contains(world);
+}
+
+/// Makes the keys; points that are dropped make room for those behind them.
 Result<void> InputStream::place(Batch& batch, std::span<Key> keys,
                                 std::span<std::byte> rows) const {
   const std::size_t row_size = plan_.header.schema.row_size();
-  batch.kept = batch.moved = 0;
+  batch.kept = batch.moved = batch.outside = 0;
   batch.largest_move = 0;
   for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (dropped_outside(batch.raw.points, i)) {
+      ++batch.outside;
+      continue;
+    }
     Index3 index{};
     double move = 0;
     const Placed placed = placement_->place(batch.raw.points, i, index, move);
@@ -126,7 +143,8 @@ Result<void> InputStream::place(Batch& batch, std::span<Key> keys,
 
 void InputStream::count(const Batch& batch) {
   summary_.points_read += batch.raw.count;
-  summary_.dropped_not_finite += batch.raw.count - batch.kept;
+  summary_.dropped_not_finite += batch.raw.count - batch.kept - batch.outside;
+  summary_.dropped_outside += batch.outside;
   summary_.moved_to_lattice += batch.moved;
   summary_.largest_move = std::max(summary_.largest_move, batch.largest_move);
   cursor_.record = batch.raw.points.first_record + batch.raw.count;
@@ -134,8 +152,7 @@ void InputStream::count(const Batch& batch) {
 
 Error InputStream::outside(const PointBatch& points, std::size_t i) const {
   const Lattice& lattice = plan_.header.lattice;
-  const World3 world =
-      points.index.empty() ? points.world[i] : to_world(*reader_->header().grid, points.index[i]);
+  const World3 world = world_position(points, reader_->header().grid, i);
   return {Fault::kBadInput,
           fmt::format("{}: record {}: the position ({:.17g}, {:.17g}, {:.17g}) lies outside the "
                       "bounds that the file promised: {} bits of steps of {} from {} do not reach "

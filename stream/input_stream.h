@@ -52,7 +52,8 @@ class InputStream {
   struct Batch {
     RawPoints raw;
     std::size_t at = 0;    ///< the first one's place in the chunk
-    std::size_t kept = 0;  ///< the others are not finite
+    std::size_t kept = 0;  ///< the others are not finite, or outside the box that is kept
+    std::uint64_t outside = 0;
     std::uint64_t moved = 0;
     double largest_move = 0;
     Result<void> result;
@@ -61,6 +62,7 @@ class InputStream {
   void prepare(Batch& batch, const Chunk& chunk) const;
   void write_sources(const PointBatch& points, std::span<std::byte> rows) const;
   Result<void> place(Batch& batch, std::span<Key> keys, std::span<std::byte> rows) const;
+  bool dropped_outside(const PointBatch& points, std::size_t i) const;
   void count(const Batch& batch);
   Error outside(const PointBatch& points, std::size_t i) const;
 

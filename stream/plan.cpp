@@ -4,19 +4,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
 #include "io/fingerprint.h"
+#include "io/las_grid.h"
 #include "stream/common_lattice.h"
 #include "stream/ingest.h"
 #include "stream/input_stream.h"
+#include "stream/input_survey.h"
 #include "stream/placement.h"
 
 namespace pss {
 namespace {
 
-constexpr std::size_t kBatch = 1 << 14;
+/// So many steps a side of the bounds has at least on the lattice that is chosen for them.
+constexpr double kLeastLatticeSteps = 0x1p40;
 
 /// What is kept of an input's header: there may be very many.
 struct Input {
@@ -27,34 +31,13 @@ struct Input {
   std::uint64_t count = 0;
 };
 
-bool finite(const World3& p) {
-  return std::ranges::all_of(p, [](double v) { return std::isfinite(v); });
-}
-
-/// Bounds and number of the points of a file, by reading them all.
-Result<void> measure(Input& input, Monitor& monitor) {
-  PSS_ASSIGN(const auto reader, open_reader(input.path));
-  WorldBox bounds;
-  PointBatch batch;
-  input.count = 0;
-  for (;;) {
-    if (monitor.stopping()) return Error{Fault::kInterrupted, "stopped while measuring bounds"};
-    PSS_TRY(reader->read(kBatch, batch));
-    if (batch.size() == 0) break;
-    for (const Index3& p : batch.index) bounds.add(to_world(*reader->header().grid, p));
-    for (const World3& p : batch.world)
-      if (finite(p)) bounds.add(p);
-    input.count += batch.size();
-    monitor.advance(batch.size());
-  }
-  input.measured = bounds;
-  return {};
-}
-
 class Planner {
  public:
   Planner(const std::vector<std::string>& paths, const IngestOptions& options, Monitor& monitor)
-      : paths_(paths), options_(options), monitor_(monitor) {}
+      : paths_(paths),
+        options_(options),
+        monitor_(monitor),
+        survey_(paths, options.drop_outside, monitor) {}
 
   Result<IngestPlan> plan() {
     if (options_.tile_points == 0)
@@ -71,6 +54,11 @@ class Planner {
   Result<void> open_inputs() {
     plan_.inputs = paths_;
     plan_.header.tile_points = options_.tile_points;
+    plan_.drop_outside = options_.drop_outside;
+    if (options_.drop_outside)
+      plan_.header.parameters =
+          fmt::format(R"({{"drop-outside":[{},{}]}})", fmt::join(options_.drop_outside->min, ","),
+                      fmt::join(options_.drop_outside->max, ","));
     for (const std::string& path : paths_) {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while reading headers"};
       PSS_ASSIGN(const auto reader, open_reader(path));
@@ -91,9 +79,14 @@ class Planner {
       plan_.header.schema = unite(plan_.header.schema, header.schema);
     }
     last_schema_ = header.schema;
-    inputs_.push_back({path, header.grid, header.bounds, {}, header.count.value_or(0)});
+    inputs_.push_back({path, header.grid, kept(header.bounds), {}, header.count.value_or(0)});
     for (const std::string& warning : header.warnings)
       plan_.notes.push_back(fmt::format("{}: {}", path, warning));
+  }
+
+  /// What the points that are kept can reach of `bounds`.
+  std::optional<WorldBox> kept(const std::optional<WorldBox>& bounds) const {
+    return bounds && options_.drop_outside ? bounds->clipped(*options_.drop_outside) : bounds;
   }
 
   Result<void> check_crs(const CloudHeader& header) {
@@ -144,39 +137,94 @@ class Planner {
     for (const Input& input : inputs_) grids.push_back(*input.grid);
     Lattice lattice = common_grid(grids);
     if (options_.scale) lattice.scale = *options_.scale;
-    // What a header promises is not trusted, least of all to refuse a file.
-    for (Input& input : inputs_) {
-      if (input.promised && check_fits(input.path, *input.promised, lattice)) continue;
-      PSS_TRY(measure_one(input));
-      PSS_TRY(check_fits(input.path, *input.measured, lattice));
-    }
     plan_.header.lattice = lattice;
     plan_.header.grid = lattice;
+    // What a header promises is not trusted, least of all to refuse a file.
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+      const Input& input = inputs_[i];
+      if (input.promised && check_places(input.path, *input.promised)) continue;
+      PSS_TRY(measure_one(i));
+      PSS_TRY(check_places(input.path, *input.measured));
+    }
+    const auto& output = options_.las_output;
+    return output && chooses_scale(plan_.header, *output) ? check_chosen_scale() : Result<void>();
+  }
+
+  /// A LAS output gets the finest scale that holds the points, instead of that of the inputs.
+  Result<void> check_chosen_scale() {
+    for (std::size_t i = 0; i < inputs_.size(); ++i)
+      if (!inputs_[i].measured) PSS_TRY(measure_one(i));
+    return survey_.bounds().empty() ? Result<void>() : check_steps(0);
+  }
+
+  /// Whether positions within `bounds` have a place on the lattice, and in the output.
+  Result<void> check_places(const std::string& path, const WorldBox& bounds) const {
+    PSS_TRY(check_fits(path, bounds, plan_.header.lattice));
+    if (!options_.las_output) return {};
+    const WorldBox all = all_bounds();
+    return check_las_grid(path, *output_grid(all), bounds, all);
+  }
+
+  std::optional<Lattice> output_grid(const WorldBox& bounds) const {
+    if (!options_.las_output) return std::nullopt;
+    return export_grid(plan_.header, bounds, 0, Format::kLas, *options_.las_output);
+  }
+
+  /// Of all inputs, as far as they are known.
+  WorldBox all_bounds() const {
+    WorldBox all;
+    for (const Input& input : inputs_)
+      all.add(input.measured ? *input.measured : input.promised.value_or(WorldBox()));
+    return all;
+  }
+
+  Result<void> measure_one(std::size_t number) {
+    Input& input = inputs_[number];
+    PSS_ASSIGN(const InputSurvey::Measured found, survey_.measure(number, input.count));
+    input.count = found.count;
+    input.measured = found.bounds;
     return {};
   }
 
-  Result<void> measure_one(Input& input) {
-    monitor_.begin("bounds", input.count);
-    return measure(input, monitor_);
+  /// The lattice is as fine as the bounds allow, so a single far point makes it coarse for all: no
+  /// point may be rounded by more than a small share of the way to its neighbours.
+  Result<void> check_steps(double step) {
+    const bool las_chosen =
+        options_.las_output && chooses_scale(plan_.header, *options_.las_output);
+    if (las_chosen)
+      step = std::max(step, *std::ranges::max_element(output_grid(survey_.bounds())->scale));
+    PSS_ASSIGN(plan_.spacing, survey_.spacing_beside(step));
+    if (options_.scale) return note_coarse_scale();
+    if (!too_coarse(step, plan_.spacing)) return {};
+    return survey_.too_coarse_step(step, plan_.spacing,
+                                   las_chosen ? kLeastLasSteps : kLeastLatticeSteps);
+  }
+
+  Result<void> note_coarse_scale() {
+    std::string note = coarse_step_note("--scale", *options_.scale, plan_.spacing);
+    if (!note.empty()) plan_.notes.push_back(std::move(note));
+    return {};
   }
 
   Result<void> lattice_of_bounds() {
-    WorldBox bounds;
-    for (Input& input : inputs_) {
-      PSS_TRY(measure_one(input));
-      bounds.add(*input.measured);
-    }
+    for (std::size_t i = 0; i < inputs_.size(); ++i) PSS_TRY(measure_one(i));
+    const WorldBox& bounds = survey_.bounds();
     for (std::size_t a = 0; a < 3 && !bounds.empty(); ++a)
-      if (!std::isfinite(bounds.max[a] - bounds.min[a]))
-        return Error{Fault::kBadInput, fmt::format("{}: positions from {} to {} are too far apart "
-                                                   "for any lattice",
-                                                   paths_[0], bounds.min[a], bounds.max[a])};
+      if (!std::isfinite(bounds.max[a] - bounds.min[a])) return beyond_any_lattice(a);
     plan_.header.lattice =
         options_.scale ? lattice_with_step(bounds, *options_.scale) : lattice_for(bounds);
     if (options_.scale) plan_.header.grid = plan_.header.lattice;
-    for (const Input& input : inputs_)
-      PSS_TRY(check_fits(input.path, *input.measured, plan_.header.lattice));
-    return {};
+    for (const Input& input : inputs_) PSS_TRY(check_places(input.path, *input.measured));
+    if (bounds.empty()) return {};
+    return check_steps(*std::ranges::max_element(plan_.header.lattice.scale));
+  }
+
+  Result<void> beyond_any_lattice(std::size_t axis) {
+    PSS_TRY(check_steps(std::numeric_limits<double>::infinity()));
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: positions from {} to {} are too far apart for any lattice; leave "
+                             "some out with --drop-outside",
+                             paths_[0], survey_.bounds().min[axis], survey_.bounds().max[axis])};
   }
 
   void note_moves() {
@@ -203,6 +251,7 @@ class Planner {
   Monitor& monitor_;
   IngestPlan plan_;
   std::vector<Input> inputs_;
+  InputSurvey survey_;  ///< of the inputs whose positions were all read
   Schema last_schema_;
   std::string crs_path_;
 };

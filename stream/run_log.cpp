@@ -39,6 +39,7 @@ RunInfo get_run(ByteReader& r) {
 void put(ByteWriter& w, const IngestSummary& s) {
   w.put(s.points_read);
   w.put(s.dropped_not_finite);
+  w.put(s.dropped_outside);
   w.put(s.moved_to_lattice);
   w.put(s.largest_move);
   w.put(s.read_seconds);
@@ -48,6 +49,7 @@ IngestSummary get_summary(ByteReader& r) {
   IngestSummary s;
   s.points_read = r.get<std::uint64_t>();
   s.dropped_not_finite = r.get<std::uint64_t>();
+  s.dropped_outside = r.get<std::uint64_t>();
   s.moved_to_lattice = r.get<std::uint64_t>();
   s.largest_move = r.get<double>();
   s.read_seconds = r.get<double>();

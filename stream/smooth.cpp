@@ -53,7 +53,7 @@ class SmoothRun {
   Result<Store> sorted_input(const WorkDirectory& work);
   Result<Reservation> reserve_tables(const Store& store);
   Result<ChosenWidths> choose(const Store& source);
-  Result<void> check(const Store& source, const WorkDirectory& work) const;
+  Result<void> check(const Store& source, const WorkDirectory& work);
   Result<void> check_space(const Store& source, const ProjectOperator& op,
                            const WorkDirectory& work) const;
   Result<void> compute_normals(const Store& source, const WorkDirectory& work);
@@ -99,7 +99,6 @@ Result<bool> SmoothRun::has_result(const Job& started) const {
 
 Result<void> SmoothRun::compute(const WorkDirectory& work) {
   PSS_ASSIGN(const Store source, sorted_input(work));
-  PSS_TRY(check_grid(source, job_));
   PSS_ASSIGN(const Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
   report_.store_bytes = source.bytes_on_disk();
@@ -133,8 +132,7 @@ Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
     report_.ingest.points_read = report_.ingest.points_stored = store.points();
     return store;
   }
-  IngestOptions options;
-  options.tile_points = job_.options.tile_points;
+  const IngestOptions options = ingest_options(job_);
   PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, options, monitor_));
   PSS_TRY(check_attributes(job_, plan.header));
   report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
@@ -160,9 +158,11 @@ Result<ChosenWidths> SmoothRun::choose(const Store& source) {
 }
 
 /// Refuses what could not be finished.
-Result<void> SmoothRun::check(const Store& source, const WorkDirectory& work) const {
+Result<void> SmoothRun::check(const Store& source, const WorkDirectory& work) {
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths));
   PSS_TRY(check_buffer(op, job_.options));
+  PSS_ASSIGN(const std::string note, check_output_grid(source, job_, report_.widths, monitor_));
+  if (!note.empty()) report_.notes.push_back(note);
   return check_space(source, op, work);
 }
 

@@ -34,6 +34,7 @@ struct SmoothOptions {
   bool scale_auto = false;       ///< the finest scale that holds the result
   std::optional<World3> offset;  ///< of a LAS output
   std::uint32_t tile_points = kTilePoints;
+  std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
   // How the job runs.
   std::string work_dir;      ///< empty: OUTPUT.work
   std::string state_folder;  ///< where finished jobs are remembered; empty: nowhere

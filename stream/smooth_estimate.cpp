@@ -47,7 +47,6 @@ void add_times(SmoothEstimate& estimate, double neighbours) {
 Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
   PSS_ASSIGN(const Store source, Store::open(job.inputs.front()));
   PSS_TRY(check_attributes(job, source.header()));
-  PSS_TRY(check_grid(source, job));
   SmoothEstimate estimate;
   estimate.method = method_of(job.options);
   estimate.normals = normals_from(source.header().schema, estimate.method);
@@ -55,6 +54,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
              choose_widths(source, job.options.widths, estimate.method, budget, monitor));
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths));
   PSS_TRY(check_buffer(op, job.options));
+  PSS_TRY(check_output_grid(source, job, estimate.widths, monitor));
   PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, op, budget));
   estimate.from_store = true;
   estimate.points = source.points();
@@ -90,8 +90,7 @@ Result<std::uint64_t> disk_from_files(const SmoothJob& job, const IngestPlan& pl
 }
 
 Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Monitor& monitor) {
-  IngestOptions options;
-  options.tile_points = job.options.tile_points;
+  const IngestOptions options = ingest_options(job);
   PSS_ASSIGN(const IngestPlan plan, plan_ingest(job.inputs, options, monitor));
   PSS_TRY(check_attributes(job, plan.header));
   Schema schema = plan.header.schema;

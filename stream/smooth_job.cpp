@@ -21,6 +21,10 @@ json optional_json(const std::optional<T>& value) {
   return value ? json(*value) : json();
 }
 
+json box_json(const std::optional<WorldBox>& box) {
+  return box ? json{box->min, box->max} : json();
+}
+
 /// What the result depends on beside the sorted input, by the names of the flags.
 json parameters_of(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
@@ -80,6 +84,8 @@ Result<void> check_format(const SmoothJob& job) {
   return check_grid_options(job.output, format, options.scale || options.scale_auto,
                             options.offset.has_value());
 }
+/// No point moves farther than it looks.
+double room_for_moves(const ChosenWidths& widths) { return std::max(widths.radius, widths.cap); }
 
 bool positive(const World3& v) {
   return std::ranges::all_of(v, [](double x) { return x > 0 && std::isfinite(x); });
@@ -103,6 +109,11 @@ Result<void> check_job(const SmoothJob& job) {
   if (options.scale && !positive(*options.scale))
     return Error{Fault::kUsage, "--scale: expected lengths above zero"};
   if (options.tile_points == 0) return Error{Fault::kUsage, "--tile-points: expected at least 1"};
+  if (options.drop_outside && is_store_input(job))
+    return Error{Fault::kUsage,
+                 fmt::format("--drop-outside: {} is a store, whose points are sorted already; give "
+                             "the option to the pss tile that makes it",
+                             job.inputs.front())};
   for (const std::string& input : job.inputs)
     if (is_store_name(input) && job.inputs.size() > 1)
       return Error{Fault::kUsage, fmt::format("{}: a store must be the only input; found {} inputs",
@@ -130,7 +141,9 @@ Result<JobRecord> job_record(const SmoothJob& job) {
   JobRecord record;
   record.command = "smooth";
   record.output = job.output;
-  record.sorting = json{{"tile-points", job.options.tile_points}}.dump();
+  record.sorting = json{{"tile-points", job.options.tile_points},
+                        {"drop-outside", box_json(job.options.drop_outside)}}
+                       .dump();
   record.parameters = parameters_of(job).dump();
   for (const std::string& input : job.inputs) {
     const std::string file = is_store_input(job) ? manifest_path(input) : input;
@@ -142,7 +155,30 @@ Result<JobRecord> job_record(const SmoothJob& job) {
 
 ExportOptions export_options(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
-  return {options.scale, options.scale_auto, options.offset, {}};
+  return {.scale = options.scale,
+          .scale_auto = options.scale_auto,
+          .offset = options.offset,
+          .rules = {},
+          .checked = true};  // by check_output_grid(), before any point is moved
+}
+
+IngestOptions ingest_options(const SmoothJob& job) {
+  IngestOptions options;
+  options.tile_points = job.options.tile_points;
+  options.drop_outside = job.options.drop_outside;
+  const Result<Format> format = format_for(job.output);
+  if (format && *format == Format::kLas) options.las_output = export_options(job);
+  return options;
+}
+
+Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
+                                      const ChosenWidths& widths, Monitor& monitor) {
+  if (is_store_name(job.output)) return std::string();
+  PSS_ASSIGN(const Format format, format_for(job.output));
+  const double room = room_for_moves(widths);
+  const ExportOptions options = export_options(job);
+  if (is_store_input(job)) return check_export(source, room, format, options, monitor);
+  return check_export(source, room, format, options, monitor, "leave such points out with");
 }
 
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
@@ -152,9 +188,8 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
   parameters.outputs = job.options.outputs;
   if (!is_store_name(job.output)) {
     PSS_ASSIGN(const Format format, format_for(job.output));
-    const double margin = std::max(widths.radius, widths.cap);
-    parameters.grid =
-        export_grid(source.header(), bounds_of(source), margin, format, export_options(job));
+    parameters.grid = export_grid(source.header(), world_bounds_of(source), room_for_moves(widths),
+                                  format, export_options(job));
   }
   return ProjectOperator::create(source, parameters);
 }
@@ -165,12 +200,6 @@ Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& j
   parameters.method = normals_method(method_of(job.options));
   parameters.only_normals = true;
   return ProjectOperator::create(source, parameters);
-}
-
-Result<void> check_grid(const Store& source, const SmoothJob& job) {
-  if (is_store_name(job.output)) return {};
-  PSS_ASSIGN(const Format format, format_for(job.output));
-  return check_grid(source, job.output, format, export_options(job));
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {

@@ -25,14 +25,18 @@ JobPlaces places_of(const SmoothJob& job);
 Result<JobRecord> job_record(const SmoothJob& job);
 
 ExportOptions export_options(const SmoothJob& job);
+/// How the job's files are sorted.
+IngestOptions ingest_options(const SmoothJob& job);
+/// Refuses what the job's output could not hold, with all the room that moves need; returns what
+/// should be known of it. Errors: those of check_export().
+Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
+                                      const ChosenWidths& widths, Monitor& monitor);
 /// The job's operator over its sorted input.
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths);
 /// The job's first pass over its sorted input, where its operator needs normals and that has none.
 Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
                                          const ChosenWidths& widths);
-/// Errors: kBadInput where the output's grid cannot hold the points that are to be smoothed.
-Result<void> check_grid(const Store& source, const SmoothJob& job);
 /// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);
 

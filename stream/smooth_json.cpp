@@ -79,7 +79,9 @@ ordered_json transfers_json(const SmoothReport& report) {
 ordered_json points_json(const SmoothReport& report) {
   return {{"in", report.points_in},
           {"out", report.points_out},
-          {"dropped", {{"not_finite", report.ingest.dropped_not_finite}}},
+          {"dropped",
+           {{"not_finite", report.ingest.dropped_not_finite},
+            {"outside", report.ingest.dropped_outside}}},
           {"status", statuses_json(report.statistics)},
           {"second_sheet", report.statistics.second_sheet},
           {"redone_in_double", report.statistics.redone}};
@@ -154,7 +156,8 @@ std::string to_json(const SmoothReport& report) {
   if (report.already_complete) return j.dump(2, ' ', false, ordered_json::error_handler_t::replace);
   j["points"] = points_json(report);
   j["moved_to_lattice"] = {{"points", report.ingest.moved_to_lattice},
-                           {"largest", report.ingest.largest_move}};
+                           {"largest", report.ingest.largest_move},
+                           {"spacing", report.ingest.spacing}};
   j["method"] = method_json(report.method, report.normals);
   j["widths"] = widths_json(report.widths);
   j["neighbours"] = {{"mean", s.mean_neighbours()}, {"most", s.most_neighbours}};

@@ -68,6 +68,16 @@ TEST(Options, NumbersRefuseWhatFollowsThem) {
   EXPECT_FALSE(parse_triple("1,2,3,"));
 }
 
+TEST(Options, ABoxIsItsLeastEndsAndThenItsGreatest) {
+  EXPECT_EQ(*parse_box("-1,0,2.5,1e3,0,3"), (WorldBox{{-1, 0, 2.5}, {1000, 0, 3}}));
+  for (const char* text : {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,5,6,7", "0,0,0,1,1,-1", "a,2,3,4,5,6",
+                           "0,0,0,1,1,nan"}) {
+    const Result<WorldBox> box = parse_box(text);
+    ASSERT_FALSE(box) << text;
+    EXPECT_EQ(box.error().fault, Fault::kUsage);
+  }
+}
+
 TEST(Options, ThreadsAreNotManyMoreThanTheMachineRuns) {
   EXPECT_EQ(*parse_threads("0"), 0);
   EXPECT_EQ(*parse_threads(std::to_string(2 * thread_count())), 2 * thread_count());

@@ -73,6 +73,21 @@ TEST(SortedCloud, RoundsToAFineLatticeAroundThePoints) {
       EXPECT_NEAR(to_world(cloud.lattice, cloud.points[i])[a], points[cloud.order[i]][a], 3e-12);
 }
 
+TEST(SortedCloud, RefusesAPointSoFarAwayThatTheOthersWouldBecomeOne) {
+  for (const int side : {30, 100}) {
+    std::vector<World3> points = square_grid(side, 1);
+    // A side of 2^34 gives steps of 2^-7, a longer one steps of 2^-6; the spacing is 0.99.
+    points.insert(points.begin() + 17, {0, 0, 0x1p34});
+    EXPECT_TRUE(sort_cloud(points).has_value());
+    points[17][2] += 1;
+    const auto refused = sort_cloud(points);
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_EQ(refused.error().fault, Fault::kBadInput);
+    EXPECT_TRUE(refused.error().message.starts_with("point 17: ")) << refused.error().message;
+    EXPECT_TRUE(sort_cloud(points, {}, Lattice{{0.25, 0.25, 0.25}, {0, 0, 0}}).has_value());
+  }
+}
+
 TEST(SortedCloud, TakesTheLatticeThatItIsGiven) {
   const Lattice lattice{{0.01, 0.01, 0.001}, {500000, 4000000, 0}};
   const std::vector<World3> points{to_world(lattice, {7, -9, 12345}), to_world(lattice, {0, 1, 2})};

@@ -1,0 +1,214 @@
+#include "io/convert_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "io/las_grid.h"
+#include "io/las_plan.h"
+#include "io/position_survey.h"
+#include "io/reader.h"
+
+namespace pss {
+namespace {
+
+using Readers = std::span<Reader* const>;
+
+/// Enough of a text to tell it from another.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kLongest = 160;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
+Result<void> check_crs(Readers readers) {
+  const CloudHeader* named = nullptr;
+  for (const Reader* reader : readers) {
+    const CloudHeader& header = reader->header();
+    if (header.crs.empty()) continue;
+    if (named && named->crs != header.crs)
+      return Error{
+          Fault::kBadInput,
+          fmt::format("{}: found the coordinate system {}, expected {} as in {}; bring "
+                      "the files into one system first",
+                      header.path, shortened(header.crs), shortened(named->crs), named->path)};
+    if (!named) named = &header;
+  }
+  return {};
+}
+
+/// The grid of all readers, where they have the same.
+std::optional<Lattice> common_grid(Readers readers) {
+  const std::optional<Lattice> first = readers.front()->header().grid;
+  for (const Reader* reader : readers)
+    if (reader->header().grid != first) return std::nullopt;
+  return first;
+}
+
+std::optional<Carry> carry_for(Readers readers, Format format) {
+  for (const Reader* reader : readers) {
+    const Carry& carry = reader->header().carry;
+    if (carry.format == format && !carry.head.empty()) return carry;
+  }
+  return std::nullopt;
+}
+
+Schema united_schema(Readers readers) {
+  Schema schema = readers.front()->header().schema;
+  for (const Reader* reader : readers.subspan(1)) schema = unite(schema, reader->header().schema);
+  return schema;
+}
+
+/// The largest step of the axes along which the points differ.
+double coarsest_step(const Lattice& grid, const WorldBox& bounds) {
+  double step = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (bounds.max[a] > bounds.min[a]) step = std::max(step, grid.scale[a]);
+  return step;
+}
+
+class Planner {
+ public:
+  Planner(Readers readers, const std::string& output, const ConvertOptions& options,
+          Monitor& monitor)
+      : readers_(readers), output_(output), options_(options), monitor_(monitor) {}
+
+  Result<WriteOptions> plan() {
+    PSS_ASSIGN(write_.format, format_for(output_));
+    PSS_TRY(check_crs(readers_));
+    write_.schema = united_schema(readers_);
+    write_.grid = common_grid(readers_);
+    write_.carry = carry_for(readers_, write_.format);
+    write_.scale = options_.scale;
+    write_.offset = options_.offset;
+    write_.same_points = readers_.size() == 1 && write_.carry && !options_.scale &&
+                         !options_.offset && !options_.drop_outside;
+    PSS_TRY(take_bounds());
+    if (write_.format == Format::kLas && !write_.same_points) PSS_TRY(check_grid());
+    return std::move(write_);
+  }
+
+ private:
+  /// Count and bounds: as promised, or by reading where nothing is promised.
+  Result<void> take_bounds() {
+    const bool one_grid = readers_.size() == 1 && write_.grid;
+    const bool needs_bounds = write_.format == Format::kLas && !one_grid;
+    WorldBox bounds;
+    for (std::size_t i = 0; i < readers_.size(); ++i) {
+      const CloudHeader& header = readers_[i]->header();
+      const bool bounded = !needs_bounds || header.bounds || header.count == std::uint64_t{0};
+      if (!header.count || !bounded) {
+        PSS_ASSIGN(const std::uint64_t count, survey(i));
+        write_.count += count;
+        continue;
+      }
+      write_.count += *header.count;
+      promised_ = promised_ || header.count > std::uint64_t{0};
+      if (header.bounds) bounds.add(kept(*header.bounds));
+    }
+    set_bounds(bounds);
+    return {};
+  }
+
+  WorldBox kept(const WorldBox& bounds) const {
+    return options_.drop_outside ? bounds.clipped(*options_.drop_outside) : bounds;
+  }
+
+  void set_bounds(WorldBox bounds) {
+    bounds.add(survey_.bounds());
+    write_.bounds = bounds.empty() ? std::nullopt : std::optional(bounds);
+  }
+
+  /// Reads all positions of one reader, and returns it to its start.
+  Result<std::uint64_t> survey(std::size_t number) {
+    if (!begun_) monitor_.begin("survey", 0);
+    begun_ = true;
+    Reader& reader = *readers_[number];
+    PSS_ASSIGN(const std::uint64_t count,
+               visit_positions(reader, options_.drop_outside, monitor_,
+                               [&](std::uint64_t record, const World3& position) {
+                                 survey_.add(number, record, position);
+                               }));
+    PSS_TRY(reader.seek(0));
+    return count;
+  }
+
+  /// Reads all positions of all readers: what headers promise is trusted no more.
+  Result<void> survey_all() {
+    survey_ = {};
+    promised_ = false;
+    for (std::size_t i = 0; i < readers_.size(); ++i) PSS_TRY(survey(i));
+    set_bounds({});
+    return {};
+  }
+
+  /// Refuses a grid that the points do not fit, and a chosen one that is too coarse for them.
+  Result<void> check_grid() {
+    if (!write_.bounds) return {};
+    PSS_ASSIGN(Lattice grid, planned_grid());
+    if (promised_ && !surely_good(grid)) {
+      PSS_TRY(survey_all());
+      if (!write_.bounds) return {};
+      PSS_ASSIGN(grid, planned_grid());
+    }
+    const bool one = readers_.size() == 1;
+    PSS_TRY(check_las_grid(one ? readers_[0]->header().path : output_, grid, *write_.bounds,
+                           *write_.bounds));
+    return promised_ || !chosen(grid) ? Result<void>() : check_step(grid);
+  }
+
+  /// The grid that the writer makes of what is known.
+  Result<Lattice> planned_grid() const {
+    PSS_ASSIGN(const LasPlan plan, plan_las(output_, write_));
+    return plan.header.grid();
+  }
+
+  /// Whether the scale is neither by hand nor that of an input.
+  bool chosen(const Lattice& grid) const {
+    return !options_.scale && std::ranges::none_of(readers_, [&](const Reader* reader) {
+      const std::optional<Lattice>& own = reader->header().grid;
+      return own && own->scale == grid.scale;
+    });
+  }
+
+  /// By what headers promise: a grid that is chosen for that alone may be far too coarse.
+  bool surely_good(const Lattice& grid) const {
+    return las_grid_holds(grid, *write_.bounds) && !chosen(grid);
+  }
+
+  Result<void> check_step(const Lattice& grid) {
+    const double step = coarsest_step(grid, *write_.bounds);
+    PSS_ASSIGN(const double spacing,
+               spacing_beside(step, survey_.sample(),
+                              [this](SpacingMeter& meter) { return measure_spacing(meter); }));
+    if (!too_coarse(step, spacing)) return {};
+    const std::size_t culprit = survey_.farthest().position.input;
+    return too_far(survey_, readers_[culprit]->header().path, step, spacing, kLeastLasSteps);
+  }
+
+  Result<void> measure_spacing(SpacingMeter& meter) {
+    for (Reader* reader : readers_) {
+      PSS_TRY(measure_positions(*reader, options_.drop_outside, meter, monitor_));
+      PSS_TRY(reader->seek(0));
+    }
+    return {};
+  }
+
+  Readers readers_;
+  const std::string& output_;
+  const ConvertOptions& options_;
+  Monitor& monitor_;
+  WriteOptions write_;
+  PositionSurvey survey_;
+  bool promised_ = false;  ///< some bounds are what a header says
+  bool begun_ = false;
+};
+
+}  // namespace
+
+Result<WriteOptions> plan_conversion(Readers readers, const std::string& output,
+                                     const ConvertOptions& options, Monitor& monitor) {
+  return Planner(readers, output, options, monitor).plan();
+}
+
+}  // namespace pss

@@ -1,0 +1,25 @@
+#pragma once
+// What the file that points are converted to will look like, found out before the first is written.
+
+#include <span>
+#include <string>
+
+#include "core/monitor.h"
+#include "core/result.h"
+#include "io/convert.h"
+#include "io/writer.h"
+
+namespace pss {
+
+/// What the writer of `output` must know of all readers together, which are at their first points
+/// before and after.
+///
+/// Reads all points of those whose count or bounds are not promised, and of all of them before it
+/// refuses anything for what a header promises.
+/// Errors: kUsage for an unknown extension; kBadInput for coordinate systems that differ, for a
+///         scale and offset that cannot hold the points, and for a far point that makes a chosen
+///         scale too coarse for the others; kInterrupted; those of reading.
+Result<WriteOptions> plan_conversion(std::span<Reader* const> readers, const std::string& output,
+                                     const ConvertOptions& options, Monitor& monitor);
+
+}  // namespace pss
