@@ -10,6 +10,7 @@
 #include "io/convert.h"
 #include "io/measure.h"
 #include "io/synth.h"
+#include "io/watched_reader.h"
 
 namespace pss {
 namespace {
@@ -110,7 +111,8 @@ class Synth : public Command {
   }
 
   Result<void> measure_file(Progress& progress) const {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(measured_));
+    PSS_ASSIGN(const InputRecord record, settled_fingerprint(measured_));
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record));
     PSS_ASSIGN(const Measurement measurement, measure(*reader, options_, progress));
     return print_data(json_ ? measurement_json(measurement, options_) + "\n"
                             : measurement_table(measurement, options_));

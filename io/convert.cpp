@@ -148,7 +148,7 @@ Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
   PSS_TRY(check_replaceable(output, options.overwrite));
   PSS_ASSIGN(const OutputLock lock, OutputLock::take(output));
   PSS_ASSIGN(WriteOptions planned, plan_conversion(readers, output, options, monitor));
-  planned.rules = {options.overwrite, &lock, {}};
+  planned.rules = {options.overwrite, &lock, options.before_rename};
   PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, planned));
   ConvertSummary summary;
   note_inputs(readers, planned.carry, summary.notes);
@@ -171,18 +171,20 @@ Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std
       check_grid_options(output, format, options.scale.has_value(), options.offset.has_value()));
   PSS_TRY(check_files(inputs));
   PSS_TRY(check_output(inputs, output));
-  std::vector<std::unique_ptr<Reader>> owned;
-  std::vector<Reader*> readers;
-  bool carried = false;
+  std::vector<InputRecord> records;
   for (const std::string& input : inputs) {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(input));
-    CloudHeader header = reader->header();
-    if (carried) header.carry = {};  // only the first of the format is used, and thousands add up
-    carried = carried || (header.carry.format == format && !header.carry.head.empty());
-    owned.push_back(std::make_unique<ReaderOnDemand>(std::move(header)));
-    readers.push_back(owned.back().get());
+    PSS_ASSIGN(InputRecord record, settled_fingerprint(input));
+    records.push_back(std::move(record));
   }
-  return copy_points(readers, output, options, monitor);
+  PSS_ASSIGN(const auto owned, open_on_demand(records, format));
+  std::vector<Reader*> readers;
+  for (const auto& reader : owned) readers.push_back(reader.get());
+  ConvertOptions watched = options;
+  watched.before_rename = [&](const WrittenFile& written) -> Result<void> {
+    PSS_TRY(check_unchanged(records));
+    return options.before_rename ? options.before_rename(written) : Result<void>();
+  };
+  return copy_points(readers, output, watched, monitor);
 }
 
 }  // namespace pss

@@ -11,6 +11,7 @@
 #include "core/lattice.h"
 #include "core/monitor.h"
 #include "core/result.h"
+#include "io/file.h"
 #include "io/reader.h"
 
 namespace pss {
@@ -20,6 +21,7 @@ struct ConvertOptions {
   std::optional<World3> offset;  ///< LAS
   std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
   bool overwrite = false;
+  BeforeRename before_rename = {};  ///< called when the file is whole, before it gets its name
 };
 
 struct ConvertSummary {
@@ -37,8 +39,9 @@ struct ConvertSummary {
 /// first. Without success there is nothing under the output's name that was not there before.
 ///
 /// Errors: kUsage for an unknown extension, a scale or offset without a LAS output, and a store as
-///         an input; kBadInput for damaged files and for coordinate systems
-///         that differ; kInterrupted where the monitor says so; kFailed for I/O.
+///         an input; kBadInput for damaged files and for coordinate systems that differ;
+///         kInterrupted where the monitor says so; kFailed for I/O, and where an input changes
+///         before the output has its name.
 Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std::string& output,
                                const ConvertOptions& options, Monitor& monitor);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "io/watched_reader.h"
+
 namespace pss {
 
 Result<void> ReaderOnDemand::read(std::size_t max, PointBatch& batch) {
@@ -24,14 +26,29 @@ Result<void> ReaderOnDemand::seek(std::uint64_t record) {
 
 Result<void> ReaderOnDemand::open() {
   if (reader_) return {};
-  PSS_ASSIGN(reader_, open_reader(header_.path));
+  PSS_ASSIGN(reader_, open_watched(record_, header_.count));
   const CloudHeader& now = reader_->header();
   if (now.schema == header_.schema && now.grid == header_.grid && now.count == header_.count)
     return {};
-  return Error{Fault::kBadInput, fmt::format("{}: found another header than before; the file "
-                                             "changed while it was read, so start again when it is "
-                                             "complete",
-                                             header_.path)};
+  // Possible only where size, time and ends were set back, but rows of another size must not pass.
+  return Error{Fault::kFailed, fmt::format("{}: changed while it was read: found another header "
+                                           "than before; nothing was written; run the command "
+                                           "again once it is no longer written to",
+                                           header_.path)};
+}
+
+Result<std::vector<std::unique_ptr<Reader>>> open_on_demand(std::span<const InputRecord> records,
+                                                            Format carried) {
+  std::vector<std::unique_ptr<Reader>> readers;
+  bool found = false;
+  for (const InputRecord& record : records) {
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record));
+    CloudHeader header = reader->header();
+    if (found) header.carry = {};
+    found = found || (header.carry.format == carried && !header.carry.head.empty());
+    readers.push_back(std::make_unique<ReaderOnDemand>(std::move(header), record));
+  }
+  return readers;
 }
 
 }  // namespace pss

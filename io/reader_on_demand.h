@@ -1,19 +1,23 @@
 #pragma once
-// A reader whose file is open only while it is read, so that any number of inputs goes.
+// Readers whose files are open only while they are read, so that any number of inputs goes.
 
 #include <memory>
+#include <span>
 #include <utility>
+#include <vector>
 
+#include "io/fingerprint.h"
 #include "io/reader.h"
 
 namespace pss {
 
 /// Opens its file at the first read and closes it at the end of its points.
 ///
-/// Errors: those of open_reader(); kBadInput where the file is another than when it was looked at.
+/// Errors: those of open_watched(): kFailed where the file changed since its record was taken.
 class ReaderOnDemand : public Reader {
  public:
-  explicit ReaderOnDemand(CloudHeader header) : header_(std::move(header)) {}
+  ReaderOnDemand(CloudHeader header, InputRecord record)
+      : header_(std::move(header)), record_(std::move(record)) {}
 
   const CloudHeader& header() const override { return header_; }
   Result<void> read(std::size_t max, PointBatch& batch) override;
@@ -23,8 +27,14 @@ class ReaderOnDemand : public Reader {
   Result<void> open();
 
   CloudHeader header_;
+  InputRecord record_;
   std::unique_ptr<Reader> reader_;
   bool ended_ = false;
 };
+
+/// Readers of the files with these records. What a header carries to a file of the same format is
+/// kept of the first file of the format `carried` alone: only that is used, and thousands add up.
+Result<std::vector<std::unique_ptr<Reader>>> open_on_demand(std::span<const InputRecord> records,
+                                                            Format carried);
 
 }  // namespace pss
