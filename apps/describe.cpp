@@ -187,7 +187,7 @@ Json describe_job(const std::string& work_dir, const JobState& state) {
     facts["tiles"] = state.tiles > 0 ? Json(state.tiles) : Json();
   }
   if (state.points > 0) facts["points"] = state.points;
-  if (!state.spoiled.empty()) facts["cannot_go_on"] = state.spoiled;
+  if (!state.spoiled.empty()) facts["ended_because"] = state.spoiled;
   facts["running"] = state.holder ? Json(*state.holder) : Json("no");
   facts["inputs"] = state.inputs;
   facts["parameters"] = parsed(state.parameters);

@@ -48,7 +48,7 @@ Result<JobRecord> record_of(const TileJob& job) {
   JobRecord record{
       .command = "tile", .output = job.output, .sorting = sorting.dump(), .parameters = "{}"};
   for (const std::string& input : job.inputs) {
-    PSS_ASSIGN(InputRecord found, fingerprint(input));
+    PSS_ASSIGN(InputRecord found, settled_fingerprint(input));
     record.inputs.push_back(std::move(found));
   }
   return record;
@@ -111,7 +111,8 @@ class Tile : public Command {
  private:
   Result<IngestSummary> build(Job& started, MemoryBudget& budget, Progress& progress) {
     const WorkDirectory& work = started.work();
-    PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, job_.ingest, progress));
+    PSS_ASSIGN(const IngestPlan plan,
+               plan_ingest(started.record().inputs, job_.ingest, progress));
     for (const std::string& note : plan.notes) progress.note(note);
     PSS_ASSIGN(const IngestSummary summary,
                ingest(plan, work.input_store(), work.path(), job_.ingest, budget, progress));

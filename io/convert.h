@@ -12,6 +12,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/file.h"
+#include "io/output_file.h"
 #include "io/reader.h"
 
 namespace pss {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/file.h"
+#include "io/fingerprint.h"
 #include "stream/chunk.h"
 #include "stream/disk_need.h"
 #include "stream/encode_blocks.h"
@@ -125,6 +126,8 @@ class Ingest {
         PSS_ASSIGN(done_, write_short(chunk, reservation));
         if (done_) return {};
       }
+      // A run is resumed from: it is of the planned files, or it is not there.
+      PSS_TRY(in.check_input());
       PSS_TRY(write_run(chunk, in.cursor(), seconds_before, watch));
       chunk.clear();
     }
@@ -280,6 +283,7 @@ class Ingest {
           Fault::kFailed,
           fmt::format("{}: {} points stored, {} read and {} dropped; use --restart", store_path_,
                       summary_.points_stored, summary_.points_read, summary_.dropped())};
+    PSS_TRY(check_unchanged(plan_.header.inputs));
     PSS_TRY(store_->finish(stored_summary(summary_)));
     PSS_TRY(remove_runs(runs_folder(work_dir_)));
     return summary_;

@@ -29,18 +29,23 @@ struct IngestOptions {
 struct IngestPlan {
   StoreHeader header;
   std::vector<std::string> inputs;
-  std::vector<std::uint64_t> counts;  ///< points a file, as promised (0: unknown)
+  std::vector<std::uint64_t> counts;  ///< points a file, as promised or measured
   std::uint64_t points = 0;           ///< their sum
   std::optional<WorldBox> drop_outside;
   double spacing = 0;  ///< of the points, where all positions were read for the plan; 0: not known
   std::vector<std::string> notes;  ///< files whose points move onto the common lattice, ...
 };
 
-/// Reads the headers, and where a format has no bounds or grid, all positions once.
+/// Reads the headers, and where a format has no bounds or grid, all positions once. The records of
+/// the inputs are those of a job, taken by settled_fingerprint() before anything of them was read.
 ///
 /// Errors: kBadInput for CRS mismatch, no common lattice, unsupported or damaged files, and for
 ///         floating-point positions of which some lie so far away that the lattice, or the grid
-///         that a LAS output would get, is too coarse for the spacing of the others.
+///         that a LAS output would get, is too coarse for the spacing of the others; kFailed for
+///         files that changed since.
+Result<IngestPlan> plan_ingest(std::vector<InputRecord> inputs, const IngestOptions& options,
+                               Monitor& monitor);
+/// The same of files as they are now.
 Result<IngestPlan> plan_ingest(const std::vector<std::string>& inputs, const IngestOptions& options,
                                Monitor& monitor);
 
@@ -66,6 +71,9 @@ Result<IngestSummary> ingest_summary_from_json(const std::string& text);
 ///
 /// Interrupted at any moment and called again with an equal plan, it goes on from the last finished
 /// run or merged tile and ends with the same bytes. A complete store returns at once.
+///
+/// Errors: kFailed, beside those of reading and writing, where an input is no longer what the plan
+///         says: the store stays incomplete, and of the runs each is of the planned files.
 Result<IngestSummary> ingest(const IngestPlan& plan, const std::string& store_path,
                              const std::string& work_dir, const IngestOptions& options,
                              MemoryBudget& budget, Monitor& monitor);

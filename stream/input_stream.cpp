@@ -8,6 +8,7 @@
 
 #include "core/parallel.h"
 #include "io/positions.h"
+#include "io/watched_reader.h"
 
 namespace pss {
 namespace {
@@ -39,7 +40,7 @@ InputStream::InputStream(const IngestPlan& plan, bool source_column, const Curso
 }
 
 Result<void> InputStream::open_input() {
-  PSS_ASSIGN(reader_, open_reader(plan_.inputs[cursor_.input]));
+  PSS_ASSIGN(reader_, open_watched(record(), plan_.counts[cursor_.input]));
   mapper_.emplace(reader_->header().schema, plan_.header.schema);
   placement_.emplace(reader_->header().grid, plan_.header.lattice);
   batches_.assign(slots_in_order(), {});
@@ -76,12 +77,17 @@ Result<void> InputStream::read(std::size_t most, std::size_t batch_points, Chunk
   };
   parallel_in_order(
       batches_.size(), take, [&](std::size_t k) { prepare(batch(k), chunk); }, give);
-  PSS_TRY(result);  // of records before those that could not be fetched
+  // First what became of the records before those that could not be fetched.
+  if (!result) return change_or(result.error(), record());
   PSS_TRY(fetch);
   if (!at_end) return {};
   reader_.reset();
   cursor_ = {cursor_.input + 1, 0};
   return {};
+}
+
+Result<void> InputStream::check_input() const {
+  return ended() ? Result<void>() : check_unchanged(record());
 }
 
 Result<void> InputStream::seek(const Cursor& to) {

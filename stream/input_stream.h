@@ -36,9 +36,16 @@ class InputStream {
   ///
   /// Requires: room for so many, and batches of at least one.
   /// Errors:   those of readers; kBadInput with file and record where a position lies outside the
-  ///           lattice; kInterrupted.
+  ///           lattice; kFailed where the input changed since the plan was made, which is certain
+  ///           to be noticed only at its end; kInterrupted.
   Result<void> read(std::size_t most, std::size_t batch_points, Chunk& chunk,
                     const Monitor& monitor);
+
+  /// Refuses the input at the cursor where it changed since the plan was made. What was read of the
+  /// inputs before it, up to their ends, is known to be of the planned files.
+  ///
+  /// Errors: kFailed.
+  Result<void> check_input() const;
 
   /// Goes on from there; the counts stay what they are.
   Result<void> seek(const Cursor& to);
@@ -59,6 +66,7 @@ class InputStream {
     Result<void> result;
   };
   Result<void> open_input();
+  const InputRecord& record() const { return plan_.header.inputs[cursor_.input]; }
   void prepare(Batch& batch, const Chunk& chunk) const;
   void write_sources(const PointBatch& points, std::span<std::byte> rows) const;
   Result<void> place(Batch& batch, std::span<Key> keys, std::span<std::byte> rows) const;

@@ -2,13 +2,13 @@
 
 #include <memory>
 
-#include "io/reader.h"
+#include "io/watched_reader.h"
 
 namespace pss {
 
 Result<InputSurvey::Measured> InputSurvey::measure(std::size_t input, std::uint64_t promised) {
   monitor_.begin("bounds", promised);
-  PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(paths_[input]));
+  PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(inputs_[input]));
   Measured measured;
   PSS_ASSIGN(measured.count, visit_positions(*reader, kept_, monitor_,
                                              [&](std::uint64_t record, const World3& position) {
@@ -25,15 +25,15 @@ Result<double> InputSurvey::spacing_beside(double step) const {
 
 Result<void> InputSurvey::pass_all(SpacingMeter& meter) const {
   monitor_.begin("spacing", 0);
-  for (const std::string& path : paths_) {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_reader(path));
+  for (const InputRecord& record : inputs_) {
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record));
     PSS_TRY(measure_positions(*reader, kept_, meter, monitor_));
   }
   return {};
 }
 
 Error InputSurvey::too_coarse_step(double step, double spacing, double steps_a_side) const {
-  return too_far(survey_, paths_[survey_.farthest().position.input], step, spacing, steps_a_side);
+  return too_far(survey_, inputs_[survey_.farthest().position.input].path, step, spacing, steps_a_side);
 }
 
 }  // namespace pss

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "core/monitor.h"
 #include "core/result.h"
+#include "io/fingerprint.h"
 #include "io/position_survey.h"
 
 namespace pss {
@@ -16,9 +16,9 @@ namespace pss {
 class InputSurvey {
  public:
   /// Positions outside `kept`, which may be absent, are passed over.
-  InputSurvey(const std::vector<std::string>& paths, const std::optional<WorldBox>& kept,
+  InputSurvey(const std::vector<InputRecord>& inputs, const std::optional<WorldBox>& kept,
               Monitor& monitor)
-      : paths_(paths), kept_(kept), monitor_(monitor) {}
+      : inputs_(inputs), kept_(kept), monitor_(monitor) {}
 
   /// What a reading of one input shows.
   struct Measured {
@@ -40,7 +40,7 @@ class InputSurvey {
  private:
   Result<void> pass_all(SpacingMeter& meter) const;
 
-  const std::vector<std::string>& paths_;
+  const std::vector<InputRecord>& inputs_;
   const std::optional<WorldBox>& kept_;
   Monitor& monitor_;
   PositionSurvey survey_;

@@ -30,15 +30,6 @@ std::string witness_of(const std::string& output) {
   return is_store_name(output) ? manifest_path(output) : output;
 }
 
-/// The first input that is no longer what the record says, in words; empty where all are.
-std::string changed_input(const JobRecord& record) {
-  for (const InputRecord& input : record.inputs) {
-    const auto now = fingerprint(input.path);
-    if (!now || *now != input) return fmt::format("{} has changed while it was read", input.path);
-  }
-  return "";
-}
-
 }  // namespace
 
 Result<void> check_places(const JobPlaces& places) {
@@ -147,9 +138,10 @@ Result<void> Job::take_over(const JobRecord& before) {
   if (places_.restart || before.discarding) return work_->clear(before);
   if (before.complete && (!work_->has_work() || difference(before, record_).empty()))
     return work_->clear(before);
-  if (!before.spoiled.empty())
-    return Error{Fault::kFailed, fmt::format("{}: cannot go on: {}; use --restart to begin again",
-                                             work_->path(), before.spoiled)};
+  if (!before.spoiled.empty()) {
+    monitor_->note(fmt::format("begins again, because of what ended it before: {}", before.spoiled));
+    return work_->clear(before);
+  }
   // What is sorted serves other parameters as well, as long as nothing is computed with the first.
   const bool sorted_only = !work_->has_results() && !before.result;
   const std::string other =
@@ -212,8 +204,10 @@ Error Job::fail(Error why) {
     static_cast<void>(WorkDirectory::remove(*std::move(work_), record_));
     work_.reset();
   } else if (why.fault != Fault::kInterrupted && record_.spoiled.empty()) {
-    record_.spoiled = changed_input(record_);
-    if (!record_.spoiled.empty()) static_cast<void>(work_->write_record(record_));
+    const Result<void> unchanged = check_unchanged(record_.inputs);
+    if (unchanged) return why;
+    record_.spoiled = unchanged.error().message;
+    static_cast<void>(work_->write_record(record_));
   }
   return why;
 }

@@ -66,7 +66,7 @@ class Job {
   /// After success: leaves OUTPUT, and what tells the same command that all is done.
   Result<void> leave();
   /// After a failure: leaves nothing where nothing was sorted; else what the same command goes on
-  /// with, or why it cannot, where an input has changed while it was read. Gives `why` back.
+  /// with, or why it begins again, where an input has changed while it was read. Gives `why` back.
   Error fail(Error why);
 
  private:

@@ -19,7 +19,7 @@ struct JobRecord {
   std::string sorting;     ///< JSON object: of the parameters, those that the sorted input depends on
   std::string parameters;  ///< JSON object: all others that the result depends on
   std::vector<InputRecord> inputs;
-  std::string spoiled;      ///< why the work is worthless: an input changed while it was read
+  std::string spoiled;      ///< why what is kept is worthless: an input changed while it was read
   bool discarding = false;  ///< what the job kept is being removed
   bool complete = false;
   std::optional<FileContent> result;  ///< OUTPUT, or its store's manifest, once written

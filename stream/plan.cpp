@@ -10,6 +10,7 @@
 
 #include "io/fingerprint.h"
 #include "io/las_grid.h"
+#include "io/watched_reader.h"
 #include "stream/common_lattice.h"
 #include "stream/ingest.h"
 #include "stream/input_stream.h"
@@ -24,7 +25,7 @@ constexpr double kLeastLatticeSteps = 0x1p40;
 
 /// What is kept of an input's header: there may be very many.
 struct Input {
-  const std::string& path;
+  const InputRecord& record;
   std::optional<Lattice> grid;
   std::optional<WorldBox> promised;  ///< bounds by the header
   std::optional<WorldBox> measured;  ///< after a pass over all positions
@@ -33,11 +34,13 @@ struct Input {
 
 class Planner {
  public:
-  Planner(const std::vector<std::string>& paths, const IngestOptions& options, Monitor& monitor)
-      : paths_(paths),
-        options_(options),
+  Planner(std::vector<InputRecord> inputs, const IngestOptions& options, Monitor& monitor)
+      : options_(options),
         monitor_(monitor),
-        survey_(paths, options.drop_outside, monitor) {}
+        survey_(plan_.header.inputs, options.drop_outside, monitor) {
+    plan_.header.inputs = std::move(inputs);
+    for (const InputRecord& record : plan_.header.inputs) plan_.inputs.push_back(record.path);
+  }
 
   Result<IngestPlan> plan() {
     if (options_.tile_points == 0)
@@ -52,25 +55,22 @@ class Planner {
 
  private:
   Result<void> open_inputs() {
-    plan_.inputs = paths_;
     plan_.header.tile_points = options_.tile_points;
     plan_.drop_outside = options_.drop_outside;
     if (options_.drop_outside)
       plan_.header.parameters =
           fmt::format(R"({{"drop-outside":[{},{}]}})", fmt::join(options_.drop_outside->min, ","),
                       fmt::join(options_.drop_outside->max, ","));
-    for (const std::string& path : paths_) {
+    for (const InputRecord& record : plan_.header.inputs) {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while reading headers"};
-      PSS_ASSIGN(const auto reader, open_reader(path));
+      PSS_ASSIGN(const auto reader, open_watched(record));
       PSS_TRY(check_crs(reader->header()));
-      PSS_ASSIGN(InputRecord record, fingerprint(path));
-      plan_.header.inputs.push_back(std::move(record));
-      take(path, reader->header());
+      take(record, reader->header());
     }
     return {};
   }
 
-  void take(const std::string& path, const CloudHeader& header) {
+  void take(const InputRecord& record, const CloudHeader& header) {
     if (inputs_.empty()) {
       plan_.header.carry = header.carry;
       plan_.header.source_format = header.format;
@@ -79,9 +79,9 @@ class Planner {
       plan_.header.schema = unite(plan_.header.schema, header.schema);
     }
     last_schema_ = header.schema;
-    inputs_.push_back({path, header.grid, kept(header.bounds), {}, header.count.value_or(0)});
+    inputs_.push_back({record, header.grid, kept(header.bounds), {}, header.count.value_or(0)});
     for (const std::string& warning : header.warnings)
-      plan_.notes.push_back(fmt::format("{}: {}", path, warning));
+      plan_.notes.push_back(fmt::format("{}: {}", record.path, warning));
   }
 
   /// What the points that are kept can reach of `bounds`.
@@ -108,7 +108,7 @@ class Planner {
     if (schema.row_size() <= kMaxRowSize) return {};
     return Error{Fault::kBadInput,
                  fmt::format("{}: points with {} bytes of attributes found, {} are supported",
-                             paths_[0], schema.row_size(), kMaxRowSize)};
+                             plan_.inputs[0], schema.row_size(), kMaxRowSize)};
   }
 
   Result<void> add_source_column(Schema& schema) const {
@@ -142,9 +142,9 @@ class Planner {
     // What a header promises is not trusted, least of all to refuse a file.
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
       const Input& input = inputs_[i];
-      if (input.promised && check_places(input.path, *input.promised)) continue;
+      if (input.promised && check_places(input.record.path, *input.promised)) continue;
       PSS_TRY(measure_one(i));
-      PSS_TRY(check_places(input.path, *input.measured));
+      PSS_TRY(check_places(input.record.path, *input.measured));
     }
     const auto& output = options_.las_output;
     return output && chooses_scale(plan_.header, *output) ? check_chosen_scale() : Result<void>();
@@ -214,7 +214,7 @@ class Planner {
     plan_.header.lattice =
         options_.scale ? lattice_with_step(bounds, *options_.scale) : lattice_for(bounds);
     if (options_.scale) plan_.header.grid = plan_.header.lattice;
-    for (const Input& input : inputs_) PSS_TRY(check_places(input.path, *input.measured));
+    for (const Input& input : inputs_) PSS_TRY(check_places(input.record.path, *input.measured));
     if (bounds.empty()) return {};
     return check_steps(*std::ranges::max_element(plan_.header.lattice.scale));
   }
@@ -224,7 +224,7 @@ class Planner {
     return Error{Fault::kBadInput,
                  fmt::format("{}: positions from {} to {} are too far apart for any lattice; leave "
                              "some out with --drop-outside",
-                             paths_[0], survey_.bounds().min[axis], survey_.bounds().max[axis])};
+                             plan_.inputs[0], survey_.bounds().min[axis], survey_.bounds().max[axis])};
   }
 
   void note_moves() {
@@ -234,7 +234,7 @@ class Planner {
       plan_.notes.push_back(
           fmt::format("{}: its grid does not align with the common lattice; its points move by at "
                       "most half a step ({}, {}, {})",
-                      input.path, step[0] / 2, step[1] / 2, step[2] / 2));
+                      input.record.path, step[0] / 2, step[1] / 2, step[2] / 2));
     }
   }
 
@@ -246,7 +246,6 @@ class Planner {
     return std::move(plan_);
   }
 
-  const std::vector<std::string>& paths_;
   const IngestOptions& options_;
   Monitor& monitor_;
   IngestPlan plan_;
@@ -258,9 +257,19 @@ class Planner {
 
 }  // namespace
 
+Result<IngestPlan> plan_ingest(std::vector<InputRecord> inputs, const IngestOptions& options,
+                               Monitor& monitor) {
+  return Planner(std::move(inputs), options, monitor).plan();
+}
+
 Result<IngestPlan> plan_ingest(const std::vector<std::string>& inputs, const IngestOptions& options,
                                Monitor& monitor) {
-  return Planner(inputs, options, monitor).plan();
+  std::vector<InputRecord> records;
+  for (const std::string& path : inputs) {
+    PSS_ASSIGN(InputRecord record, settled_fingerprint(path));
+    records.push_back(std::move(record));
+  }
+  return plan_ingest(std::move(records), options, monitor);
 }
 
 }  // namespace pss

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "io/fingerprint.h"
 #include "io/writer.h"
 #include "stream/output_clash.h"
 #include "stream/smooth_job.h"
@@ -49,8 +50,8 @@ class SmoothRun {
  private:
   Result<void> do_work(Job& started);
   Result<bool> has_result(const Job& started) const;
-  Result<void> compute(const WorkDirectory& work);
-  Result<Store> sorted_input(const WorkDirectory& work);
+  Result<void> compute(const Job& started);
+  Result<Store> sorted_input(const Job& started);
   Result<Reservation> reserve_tables(const Store& store);
   Result<ChosenWidths> choose(const Store& source);
   Result<void> check(const Store& source, const WorkDirectory& work);
@@ -76,7 +77,7 @@ Result<void> SmoothRun::do_work(Job& started) {
   const WorkDirectory& work = started.work();
   identity_ = identity_of(started.record());
   PSS_ASSIGN(const bool computed, has_result(started));
-  if (!computed) PSS_TRY(compute(work));
+  if (!computed) PSS_TRY(compute(started));
   if (!places_.keep_work) PSS_TRY(work.remove_sources());  // the output needs the room
   PSS_TRY(write(started));
   return started.leave();
@@ -97,8 +98,9 @@ Result<bool> SmoothRun::has_result(const Job& started) const {
   return store.complete() && exists(manifest_path(path));
 }
 
-Result<void> SmoothRun::compute(const WorkDirectory& work) {
-  PSS_ASSIGN(const Store source, sorted_input(work));
+Result<void> SmoothRun::compute(const Job& started) {
+  const WorkDirectory& work = started.work();
+  PSS_ASSIGN(const Store source, sorted_input(started));
   PSS_ASSIGN(const Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
   report_.store_bytes = source.bytes_on_disk();
@@ -120,10 +122,12 @@ Result<Reservation> SmoothRun::reserve_tables(const Store& store) {
 }
 
 /// The store that the inputs make, or the one that was given.
-Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
+Result<Store> SmoothRun::sorted_input(const Job& started) {
+  const WorkDirectory& work = started.work();
   const Stopwatch planning;
   if (is_store_input(job_)) {
     PSS_ASSIGN(Store store, Store::open(job_.inputs.front()));
+    PSS_TRY(check_unchanged(started.record().inputs));
     if (!store.complete())
       return Error{Fault::kBadInput,
                    fmt::format("{}: the store is not complete; run the command that makes it again",
@@ -133,7 +137,7 @@ Result<Store> SmoothRun::sorted_input(const WorkDirectory& work) {
     return store;
   }
   const IngestOptions options = ingest_options(job_);
-  PSS_ASSIGN(const IngestPlan plan, plan_ingest(job_.inputs, options, monitor_));
+  PSS_ASSIGN(const IngestPlan plan, plan_ingest(started.record().inputs, options, monitor_));
   PSS_TRY(check_attributes(job_, plan.header));
   report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
   report_.plan_seconds = planning.seconds();

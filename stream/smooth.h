@@ -112,7 +112,7 @@ struct JobState {
   std::uint64_t tiles = 0;  ///< 0 while unknown
   std::uint64_t points = 0;
   std::string parameters;  ///< JSON
-  std::string spoiled;     ///< why it cannot go on; empty where it can
+  std::string spoiled;     ///< why it begins again; empty where it goes on
   std::vector<std::string> inputs;
   std::optional<std::string> holder;  ///< "pid N on HOST" of a process that runs it now
 };

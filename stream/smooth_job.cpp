@@ -147,7 +147,7 @@ Result<JobRecord> job_record(const SmoothJob& job) {
   record.parameters = parameters_of(job).dump();
   for (const std::string& input : job.inputs) {
     const std::string file = is_store_input(job) ? manifest_path(input) : input;
-    PSS_ASSIGN(InputRecord found, fingerprint(file));
+    PSS_ASSIGN(InputRecord found, settled_fingerprint(file));
     record.inputs.push_back(std::move(found));
   }
   return record;

@@ -78,17 +78,28 @@ Result<Store> Store::open(const std::string& path) {
   if (!is_store(path))
     return Error{exists(path) ? Fault::kBadInput : Fault::kFailed,
                  fmt::format("{}: found no store, expected a directory made by pss tile", path)};
-  const bool finished = exists(manifest_path(path));
-  const std::string log = finished ? manifest_path(path) : open_manifest_path(path);
-  PSS_ASSIGN(store.manifest_size_,
-             read_log(log, finished ? Tail::kWhole : Tail::kMayBeTorn,
-                      [&](const LogRecord& record) { return store.manifest_.add(log, record); }));
-  if (!store.manifest_.has_header || (finished && !store.manifest_.complete))
-    return Error{Fault::kBadInput,
-                 fmt::format("{}: damaged at offset {}: the {} record is missing", log,
-                             store.manifest_size_, finished ? "end" : "header")};
-  PSS_TRY(store.open_segments());
+  if (exists(manifest_path(path))) {
+    PSS_ASSIGN(store.record_, fingerprint(manifest_path(path)));
+  }
+  if (auto opened = store.open_files(); !opened) return store.changed_or(opened.error());
   return store;
+}
+
+Result<void> Store::open_files() {
+  const bool finished = record_.has_value();
+  const std::string log = finished ? record_->path : open_manifest_path(path_);
+  PSS_ASSIGN(manifest_size_,
+             read_log(log, finished ? Tail::kWhole : Tail::kMayBeTorn,
+                      [&](const LogRecord& record) { return manifest_.add(log, record); }));
+  if (!manifest_.has_header || (finished && !manifest_.complete))
+    return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the {} record is missing",
+                                               log, manifest_size_, finished ? "end" : "header")};
+  return open_segments();
+}
+
+/// A store that another one replaces while it is read looks damaged.
+Error Store::changed_or(Error error) const {
+  return record_ ? change_or(std::move(error), *record_) : std::move(error);
 }
 
 Result<void> Store::open_segments() {
@@ -124,16 +135,23 @@ std::uint64_t Store::memory() const {
 }
 
 Error Store::damaged(const TileInfo& tile, std::uint64_t offset, const std::string& what) const {
-  return {Fault::kBadInput, fmt::format("{}: damaged at offset {}: {} (tile of rows {} to {})",
-                                        segment_path(path_, tile.segment), offset, what,
-                                        tile.first_row, tile.first_row + tile.count)};
+  return changed_or(
+      {Fault::kBadInput, fmt::format("{}: damaged at offset {}: {} (tile of rows {} to {})",
+                                     segment_path(path_, tile.segment), offset, what,
+                                     tile.first_row, tile.first_row + tile.count)});
+}
+
+Result<void> Store::read_segment(const TileInfo& tile, std::uint64_t offset,
+                                 std::span<std::byte> out) const {
+  if (auto read = segments_[tile.segment].read(offset, out); !read) return changed_or(read.error());
+  return {};
 }
 
 Result<std::vector<BlockInfo>> Store::read_index(std::size_t number) const {
   const TileInfo& tile = manifest_.tiles[number];
   const std::uint64_t offset = tile.offset + tile.size - tile.index_size;
   std::vector<std::byte> bytes(tile.index_size);
-  PSS_TRY(segments_[tile.segment].read(offset, bytes));
+  PSS_TRY(read_segment(tile, offset, bytes));
   if (hash64(bytes) != tile.index_hash)
     return damaged(
         tile, offset,
@@ -153,7 +171,7 @@ Result<void> Store::check_column(const TileInfo& tile, const ColumnInfo& column,
 Result<std::vector<std::byte>> Store::read_column(const TileInfo& tile,
                                                   const ColumnInfo& column) const {
   std::vector<std::byte> bytes(column.size);
-  PSS_TRY(segments_[tile.segment].read(column.offset, bytes));
+  PSS_TRY(read_segment(tile, column.offset, bytes));
   PSS_TRY(check_column(tile, column, bytes));
   return bytes;
 }
@@ -186,7 +204,7 @@ Result<void> Store::read_rows(const TileInfo& tile, const BlockInfo& block,
   const std::uint64_t start = block.columns[1].offset;
   const ColumnInfo& last = block.columns.back();
   std::vector<std::byte> bytes(last.offset + last.size - start);
-  PSS_TRY(segments_[tile.segment].read(start, bytes));
+  PSS_TRY(read_segment(tile, start, bytes));
   for (std::size_t f = 0; f < schema.fields().size(); ++f) {
     const ColumnInfo& column = block.columns[1 + f];
     const auto part = std::span(bytes).subspan(column.offset - start, column.size);

@@ -22,7 +22,8 @@ namespace pss {
 /// A store opened to read.
 ///
 /// Thread: any number at once for const members.
-/// Errors: kBadInput, with file and offset, where bytes do not match their hash.
+/// Errors: kBadInput, with file and offset, where bytes do not match their hash; kFailed where the
+///         manifest of a complete store has changed, so that they cannot match.
 class Store {
  public:
   static Result<Store> open(const std::string& path);
@@ -51,13 +52,18 @@ class Store {
 
  private:
   Store() = default;
+  Result<void> open_files();
   Result<void> open_segments();
+  Result<void> read_segment(const TileInfo& tile, std::uint64_t offset,
+                            std::span<std::byte> out) const;
+  Error changed_or(Error error) const;
   Result<void> check_column(const TileInfo& tile, const ColumnInfo& column,
                             std::span<const std::byte> bytes) const;
   Result<std::vector<std::byte>> read_column(const TileInfo& tile, const ColumnInfo& column) const;
   Error damaged(const TileInfo& tile, std::uint64_t offset, const std::string& what) const;
   std::string path_;
   Manifest manifest_;
+  std::optional<InputRecord> record_;  ///< of a complete store's manifest, before it was read
   std::uint64_t manifest_size_ = 0;
   std::vector<File> segments_;
 };
