@@ -1,5 +1,6 @@
 """What the whole-program tests share: running pss, measuring it, reading LAS without it."""
 
+import atexit
 import collections
 import hashlib
 import json
@@ -21,6 +22,15 @@ DATA = pathlib.Path(os.environ.get("PSS_TEST_DATA", ROOT / "../shared/data")).re
 
 DONE, FAILED, USAGE, BAD_INPUT, MEMORY_LIMIT, INTERRUPTED = 0, 1, 2, 3, 4, 130
 SKIPPED = 77  # what ctest takes as skipped
+
+def own_state_folder():
+    """A state folder for this process and the pss that it starts: the user's is left alone."""
+    folder = tempfile.mkdtemp(prefix="pss-state-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return folder
+
+
+os.environ["XDG_STATE_HOME"] = own_state_folder()
 
 needs_data = unittest.skipUnless(DATA.is_dir(), f"no test data at {DATA}")
 
