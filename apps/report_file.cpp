@@ -9,6 +9,7 @@
 #include "io/file.h"
 #include "io/inputs.h"
 #include "io/output_file.h"
+#include "stream/manifest.h"
 
 namespace pss {
 namespace {
@@ -22,13 +23,19 @@ std::string text_of(const json& j, const char* key) {
   return found != j.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+/// A name as reports have it, which are UTF-8.
+std::string as_reported(const std::string& name) {
+  return json::parse(json(name).dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
 /// Whether the file is what this very command reported before.
 bool is_same_report(const std::string& path, const ReportRules& rules) {
   const auto bytes = read_whole(path, kLargestReport);
   if (!bytes) return false;
   const std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   const json found = json::parse(text, nullptr, false);
-  return text_of(found, "command") == rules.command && text_of(found, "output") == rules.output;
+  return text_of(found, "command") == rules.command &&
+         text_of(found, "output") == as_reported(rules.output);
 }
 
 Error misplaced(const std::string& path, const std::string& what) {
@@ -36,13 +43,14 @@ Error misplaced(const std::string& path, const std::string& what) {
 }
 
 Result<void> check_place(const std::string& path, const ReportRules& rules) {
-  PSS_TRY(check_output(rules.inputs, path));
+  PSS_TRY(check_lists(rules.arguments, path));
   if (real_path_of(path) == real_path_of(rules.output)) return misplaced(path, "is the output");
   if (is_store_name(rules.output) && lies_in(path, rules.output))
     return misplaced(path, fmt::format("lies in the output {}", rules.output));
+  if (has_manifest(directory_of(real_path_of(path)))) return misplaced(path, "lies in a store");
   if (!rules.work_dir.empty() && lies_in(path, rules.work_dir))
     return misplaced(path, fmt::format("lies in the work directory {}", rules.work_dir));
-  return {};
+  return check_output(rules.inputs, path);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ struct ReportRules {
   std::string output;
   std::string work_dir;  ///< empty: none
   bool overwrite = false;
+  std::span<const std::string> arguments = {};  ///< among which are lists of inputs
 };
 
 /// The report of one run: a file that appears when it is written, stdout, or nothing.
@@ -26,7 +27,8 @@ class ReportFile {
   ///
   /// An existing file is replaced where `overwrite` says so, and where it is a report of the same
   /// command on the same output: a finished job that is run again reports again.
-  /// Errors: kUsage for an input, the output, or what lies within a store or the work directory;
+  /// Errors: kUsage for an input or a list of them, the output, or what lies within a store or the
+  ///         work directory;
   ///         kFailed where the file exists, cannot be written, or another process writes it.
   static Result<ReportFile> claim(const std::string& name, const ReportRules& rules);
 

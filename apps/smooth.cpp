@@ -198,9 +198,10 @@ class Smooth : public Command {
 
   Result<ReportFile> claim_report() const {
     const SmoothOptions& options = job_.options;
-    const std::string work_dir = options.work_dir.empty() ? job_.output + ".work" : options.work_dir;
+    const std::string work_dir =
+        options.work_dir.empty() ? job_.output + ".work" : options.work_dir;
     return ReportFile::claim(reports_.report, {"smooth", job_.inputs, job_.output, work_dir,
-                                               options.overwrite});
+                                               options.overwrite, inputs_});
   }
 
   Result<void> estimate(const ReportFile& report, MemoryBudget& budget, Progress& progress) {

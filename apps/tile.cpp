@@ -89,9 +89,10 @@ class Tile : public Command {
     PSS_TRY(check_files(job_.inputs));
     PSS_TRY(check_output(job_.inputs, job_.output));
     const JobPlaces places = job_.places();
-    PSS_ASSIGN(const ReportFile report,
-               ReportFile::claim(reports_.report, {"tile", job_.inputs, job_.output,
-                                                   places.work_directory(), places.overwrite}));
+    PSS_ASSIGN(
+        const ReportFile report,
+        ReportFile::claim(reports_.report, {"tile", job_.inputs, job_.output,
+                                            places.work_directory(), places.overwrite, inputs_}));
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);

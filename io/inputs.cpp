@@ -113,6 +113,7 @@ Result<void> check_distinct(const Paths& paths) {
 
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
                                                const std::string& output) {
+  PSS_TRY(check_lists(arguments, output));
   Expansion expansion{output, {}};
   for (const std::string& argument : arguments)
     PSS_TRY(argument.starts_with('@') ? add_list(argument.substr(1), expansion)
@@ -120,6 +121,16 @@ Result<std::vector<std::string>> expand_inputs(std::span<const std::string> argu
   if (expansion.paths.empty()) return Error{Fault::kFailed, "no input: the list of files is empty"};
   PSS_TRY(check_distinct(expansion.paths));
   return std::move(expansion.paths);
+}
+
+Result<void> check_lists(std::span<const std::string> arguments, const std::string& path) {
+  for (const std::string& argument : arguments)
+    if (argument.starts_with('@') && same_file(argument.substr(1), path))
+      return Error{Fault::kUsage,
+                   fmt::format("{}: is the list of inputs, {}; an input is never replaced, choose "
+                               "another name",
+                               path, argument)};
+  return {};
 }
 
 Result<void> check_output(std::span<const std::string> inputs, const std::string& output) {

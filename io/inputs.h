@@ -17,11 +17,16 @@ namespace pss {
 /// `output` is left out of what directories and globs give: the same command finds the same inputs
 /// when its output has come to lie among them.
 ///
-/// Errors: kFailed naming what is missing or matches nothing; kUsage for a file that is there
-/// twice,
-///         by whatever names or links: each of its points would have a twin.
+/// Errors: kFailed naming what is missing or matches nothing; kUsage for a file that is there twice,
+///         by whatever names or links, as each of its points would have a twin; those of
+///         check_lists() for `output`.
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
                                                const std::string& output = {});
+
+/// Refuses a path to be written that is a list among the arguments: it is input, too.
+///
+/// Errors: kUsage.
+Result<void> check_lists(std::span<const std::string> arguments, const std::string& path);
 
 /// Refuses, before any work, an output that is one of the inputs, lies in one that is a store, is a
 /// directory although not called a store, or lies in a missing folder.
