@@ -40,8 +40,7 @@ std::string beside(const std::string& path, std::string_view suffix) {
   return fmt::format("{}.{}.{}", path.substr(0, start), name, suffix);
 }
 
-std::string holder_text(int descriptor) {
-  const disk::Outcome process = disk::lock_holder(descriptor);
+std::string holder_text(disk::Outcome process) {
   if (process <= 0) return "another process, perhaps on another machine";
   char host[256] = {};
   gethostname(host, sizeof host - 1);
@@ -73,6 +72,24 @@ Result<LockFile> open_lock(const std::string& path) {
     if (opened == -ELOOP || opened == -EISDIR) return in_the_way(name);
     if (opened != -ENOENT) return failure("open", name, opened);
   }
+}
+
+struct Attempt {
+  disk::Outcome taken = 0;
+  disk::Outcome holder = 0;  ///< where it is taken already
+};
+
+/// A holder that nobody knows may have just ended: then the lock is free.
+Attempt try_lock(int descriptor) {
+  constexpr int kTries = 3;
+  Attempt attempt;
+  for (int tried = 0; tried < kTries && attempt.holder <= 0; ++tried) {
+    attempt.taken =
+        disk::uninterrupted([&] { return disk::lock(descriptor, disk::Lock::kExclusive); });
+    if (attempt.taken != -EWOULDBLOCK) break;
+    attempt.holder = disk::lock_holder(descriptor);
+  }
+  return attempt;
 }
 
 /// Names that are too long, and folders that are none, are told from a name that is free.
@@ -138,11 +155,11 @@ Result<bool> OutputLock::hold(bool made) {
   if (const auto outcome = disk::status(descriptor_, status); outcome < 0)
     return failure("lock", path_, outcome);
   if (!is_lock_file(status)) return in_the_way(name);
-  const disk::Outcome taken =
-      disk::uninterrupted([&] { return disk::lock(descriptor_, disk::Lock::kExclusive); });
+  const Attempt attempt = try_lock(descriptor_);
+  const disk::Outcome taken = attempt.taken;
   if (taken == -EWOULDBLOCK)
     return Error{Fault::kFailed, fmt::format("{}: is being written by {}; wait for it to end",
-                                             path_, holder_text(descriptor_))};
+                                             path_, holder_text(attempt.holder))};
   if (taken < 0 && made) disk::remove_file(name);
   if (taken < 0) return failure("lock", path_, taken);
   if (!is_still(name, status)) return false;
@@ -161,7 +178,8 @@ std::optional<std::string> lock_holder(const std::string& path) {
   if (opened < 0) return std::nullopt;
   const int descriptor = static_cast<int>(opened);
   std::optional<std::string> holder;
-  if (disk::lock(descriptor, disk::Lock::kShared) == -EWOULDBLOCK) holder = holder_text(descriptor);
+  if (disk::lock(descriptor, disk::Lock::kShared) == -EWOULDBLOCK)
+    holder = holder_text(disk::lock_holder(descriptor));
   disk::close(descriptor);
   return holder;
 }
