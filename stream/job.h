@@ -30,9 +30,9 @@ struct JobPlaces {
 };
 
 /// Refuses places that would endanger each other, before anything is made: an output or an input
-/// within the work directory, a work directory that is not pss's own, an input within a store that
-/// is to be replaced, a store's output on another disk than the work directory, from where it could
-/// not be renamed.
+/// within the work directory, or the other way round, a work directory that is not pss's own, an
+/// input within a store that is to be replaced, a store's output on another disk than the work
+/// directory, from where it could not be renamed.
 ///
 /// Errors: kUsage; those of check_work_directory().
 Result<void> check_places(const JobPlaces& places);
