@@ -61,7 +61,13 @@ Result<bool> Job::is_complete() {
   const auto finished = recall_finished(places_.state_folder, places_.output);
   if (!finished || finished->identity != identity_of(record_)) return false;
   record_.result = finished->content;
-  return has_content(finished->content);
+  PSS_ASSIGN(const bool there, has_content(finished->content));
+  // Killed between its record and its directory: what is left goes now.
+  if (there && places_.work_dir.empty() && exists(places_.work_directory())) {
+    PSS_ASSIGN(WorkDirectory work, WorkDirectory::open(places_.work_directory()));
+    work_.emplace(std::move(work));
+  }
+  return there;
 }
 
 Result<bool> Job::has_content(const FileContent& content) const {
@@ -88,7 +94,17 @@ Result<void> Job::open_work() {
   if (before) PSS_TRY(take_over(*before));
   PSS_TRY(work_->write_record(record_));
   entered_ = true;
-  return is_store_name(places_.output) ? work_->probe_rename(lock_.temporary()) : Result<void>();
+  return is_store_name(places_.output) ? check_rename() : Result<void>();
+}
+
+/// Mounts may lie between two folders of one disk.
+Result<void> Job::check_rename() const {
+  const Result<void> renamed = work_->probe_rename(lock_.temporary());
+  if (renamed) return {};
+  return Error{Fault::kFailed,
+               fmt::format("{}: no store can be renamed to it from its work directory: {}; use "
+                           "another --work-dir",
+                           places_.output, renamed.error().message)};
 }
 
 /// Goes on with what an earlier job left, or discards it.

@@ -75,6 +75,7 @@ class Job {
   Result<bool> has_content(const FileContent& content) const;
   Result<void> check_output_name() const;
   Result<void> open_work();
+  Result<void> check_rename() const;
   Result<void> take_over(const JobRecord& before);
   Result<void> replace_store(const std::string& store);
   JobPlaces places_;

@@ -26,46 +26,7 @@ std::uint64_t count_rows(std::span<const BlockInfo> blocks) {
   return rows;
 }
 
-/// The names that a store's directory may hold, finished or not.
-bool is_store_file(const std::string& name) {
-  const std::string store;
-  return store + "/" + name == manifest_path(store) ||
-         store + "/" + name == open_manifest_path(store) ||
-         store + "/" + name == replacement_of(open_manifest_path(store)) ||
-         is_numbered(name, "segment-");
-}
-
 }  // namespace
-
-Result<void> check_removable(const std::string& path) {
-  if (!exists(path)) return {};
-  if (is_link(path))
-    return Error{Fault::kFailed, fmt::format("{}: is a link, not a store; name the store that it "
-                                             "leads to, or choose another name",
-                                             path)};
-  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path));
-  for (const std::string& name : names)
-    if (!is_store_file(name))
-      return Error{Fault::kFailed,
-                   fmt::format("{}: holds {}, which is no part of a store; choose another name",
-                               path, name)};
-  // Names prove nothing. Without a manifest, only what a killed writer leaves before it has one.
-  const bool begun = names.empty() || names == std::vector<std::string>{
-                                                   replacement_of("manifest.log")};
-  if (begun || has_manifest(path)) return {};
-  return Error{Fault::kFailed, fmt::format("{}: holds {}, but no manifest of a store; choose "
-                                           "another name",
-                                           path, names.front())};
-}
-
-Result<void> remove_store(const std::string& path) {
-  PSS_TRY(check_removable(path));
-  return remove_store_files(path);
-}
-
-Result<void> remove_store_files(const std::string& path) {
-  return remove_own_directory(path, is_store_file);
-}
 
 Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHeader& header,
                                         std::uint64_t segment_size) {
