@@ -9,6 +9,7 @@
 #include "stream/finished.h"
 #include "stream/manifest.h"
 #include "stream/store_writer.h"
+#include "stream/verify.h"
 
 namespace pss {
 namespace {
@@ -76,7 +77,11 @@ Result<bool> Job::has_content(const FileContent& content) const {
   if (!now || now->size != content.size) return false;
   monitor_->begin("check", 0);
   PSS_ASSIGN(const FileContent found, content_of(witness, *monitor_));
-  return same_bytes(found, content);
+  if (!same_bytes(found, content)) return false;
+  if (!is_store_name(places_.output)) return true;
+  const Result<void> whole = check_bytes(places_.output, *monitor_);
+  if (!whole && whole.error().fault == Fault::kInterrupted) return whole.error();
+  return whole.has_value();
 }
 
 Result<void> Job::check_output_name() const {
@@ -135,6 +140,8 @@ OutputRules Job::output_rules() {
 }
 
 Result<void> Job::hand_over_store(const std::string& store) {
+  // What lay here since an earlier run has been read by nobody since.
+  if (resumed_) PSS_TRY(check_bytes(store, *monitor_));
   // Recorded before it is renamed: stopped in between, the job knows its output again.
   PSS_ASSIGN(record_.result, content_of(manifest_path(store), *monitor_));
   PSS_TRY(work_->write_record(record_));

@@ -176,6 +176,14 @@ Result<std::vector<std::byte>> Store::read_column(const TileInfo& tile,
   return bytes;
 }
 
+Result<void> Store::check_bytes(std::size_t number) const {
+  PSS_ASSIGN(const std::vector<BlockInfo> blocks, read_index(number));
+  for (const BlockInfo& block : blocks)
+    for (const ColumnInfo& column : block.columns)
+      if (auto read = read_column(manifest_.tiles[number], column); !read) return read.error();
+  return {};
+}
+
 Result<void> Store::read_positions(const TileInfo& tile, const BlockInfo& block,
                                    std::span<Index3> out) const {
   assert(out.size() == block.count);

@@ -40,6 +40,8 @@ class Store {
   std::uint64_t memory() const;
 
   Result<std::vector<BlockInfo>> read_index(std::size_t tile) const;
+  /// Reads a tile's bytes against their checksums, decoding none. Errors: kBadInput.
+  Result<void> check_bytes(std::size_t tile) const;
   /// Shape: `out` has block.count elements.
   Result<void> read_positions(const TileInfo& tile, const BlockInfo& block,
                               std::span<Index3> out) const;

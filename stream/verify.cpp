@@ -139,4 +139,15 @@ Result<VerifySummary> verify_store(const std::string& path, MemoryBudget& budget
   return Verifier(store, monitor).run();
 }
 
+Result<void> check_bytes(const std::string& path, Monitor& monitor) {
+  PSS_ASSIGN(const Store store, Store::open(path));
+  if (!store.complete())
+    return Error{Fault::kBadInput, fmt::format("{}: the store is not complete", path)};
+  for (std::size_t t = 0; t < store.tiles().size(); ++t) {
+    if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
+    PSS_TRY(store.check_bytes(t));
+  }
+  return {};
+}
+
 }  // namespace pss

@@ -34,4 +34,11 @@ inline constexpr std::size_t kMostDamage = 20;
 ///         kMemoryLimit, kInterrupted. Damage to tiles is no error but in the summary.
 Result<VerifySummary> verify_store(const std::string& path, MemoryBudget& budget, Monitor& monitor);
 
+/// Reads a finished store's bytes against their checksums, decoding none.
+///
+/// Errors: kBadInput, with file and offset, where it is not there as it was written; kFailed for
+///         I/O, kInterrupted.
+/// Cost:   memory for its tables and one column of a block.
+Result<void> check_bytes(const std::string& path, Monitor& monitor);
+
 }  // namespace pss
