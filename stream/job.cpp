@@ -127,6 +127,7 @@ Result<void> Job::take_over(const JobRecord& before) {
   const std::string other =
       sorted_only ? sorting_difference(before, record_) : difference(before, record_);
   if (!other.empty()) return other_job(work_->path(), other);
+  if (sorted_only) PSS_TRY(work_->remove_results());
   record_.result = before.result;
   resumed_ = true;
   return {};
@@ -183,7 +184,9 @@ Result<void> Job::leave() {
 Error Job::fail(Error why) {
   if (!entered_ || !work_) return why;  // the directory may hold another job
   if (!work_->has_work()) {
-    static_cast<void>(WorkDirectory::remove(*std::move(work_), record_));
+    const bool users = !places_.work_dir.empty() && !work_->made();  // an empty folder, before
+    static_cast<void>(users ? work_->clear(record_)
+                            : WorkDirectory::remove(*std::move(work_), record_));
     work_.reset();
   } else if (why.fault != Fault::kInterrupted && record_.spoiled.empty()) {
     const Result<void> unchanged = check_unchanged(record_.inputs);

@@ -8,6 +8,7 @@
 #include "io/file.h"
 #include "stream/manifest.h"
 #include "stream/run_log.h"
+#include "stream/store.h"
 #include "stream/store_writer.h"
 
 namespace pss {
@@ -21,13 +22,21 @@ std::string record_path(const std::string& work_dir) { return work_dir + "/job.j
 
 std::string name_in(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
-/// The lock of a record and its temporary, which has a number in its name: ".job.json.123.pss-part".
+/// The lock of a record and its temporary, which has a number in its name:
+/// ".job.json.123.pss-part".
 bool is_before_record(const std::string& name) {
   constexpr std::string_view kStart = ".job.json.", kEnd = ".pss-part";
   if (name == name_in(lock_name_of(record_path("")))) return true;
   if (!name.starts_with(kStart) || !name.ends_with(kEnd)) return false;
   const std::size_t digits = name.size() - kStart.size() - kEnd.size();
   return name.find_first_not_of("0123456789", kStart.size()) == kStart.size() + digits;
+}
+
+/// Whether a store has any tile, or cannot be read, so that nobody can tell.
+bool has_tiles(const std::string& path) {
+  if (!is_store(path)) return false;
+  const Result<Store> store = Store::open(path);
+  return !store || !store->tiles().empty();
 }
 
 }  // namespace
@@ -62,9 +71,10 @@ Result<void> check_work_directory(const std::string& path) {
 
 Result<WorkDirectory> WorkDirectory::open(const std::string& path) {
   PSS_TRY(check_work_directory(path));
+  const bool made = !exists(path);
   PSS_TRY(make_directories(path));
   PSS_ASSIGN(OutputLock lock, OutputLock::take(record_path(path)));
-  WorkDirectory work(path, std::move(lock));
+  WorkDirectory work(path, std::move(lock), made);
   PSS_TRY(check_work_directory(path));  // again: now nobody else changes it
   PSS_TRY(work.check_names());
   return work;
@@ -94,11 +104,12 @@ Result<void> WorkDirectory::write_record(const JobRecord& record) const {
 }
 
 bool WorkDirectory::has_results() const {
-  return is_store(normals_store()) || is_store(result_store());
+  return has_tiles(normals_store()) || has_tiles(result_store());
 }
 
 bool WorkDirectory::has_work() const {
-  return has_runs(runs()) || is_store(input_store()) || has_results();
+  return has_runs(runs()) || is_store(input_store()) || is_store(normals_store()) ||
+         is_store(result_store());
 }
 
 Result<void> WorkDirectory::probe_rename(const std::string& to) const {
@@ -108,6 +119,11 @@ Result<void> WorkDirectory::probe_rename(const std::string& to) const {
   const auto nothing = [](const std::string&) { return false; };
   PSS_TRY(remove_own_directory(renamed ? to : probe, nothing));
   return renamed;
+}
+
+Result<void> WorkDirectory::remove_results() const {
+  PSS_TRY(remove_store_files(normals_store()));
+  return remove_store_files(result_store());
 }
 
 Result<void> WorkDirectory::remove_sources() const {

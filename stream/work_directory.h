@@ -33,6 +33,7 @@ class WorkDirectory {
   static Result<WorkDirectory> open(const std::string& path);
 
   const std::string& path() const { return path_; }
+  bool made() const { return made_; }  ///< by open(): it was not there
   std::string runs() const { return path_ + "/runs"; }
   std::string input_store() const { return path_ + "/input.pss"; }
   std::string normals_store() const { return path_ + "/normals.pss"; }
@@ -45,12 +46,14 @@ class WorkDirectory {
 
   /// Whether any points are sorted or computed: work that is worth going on with.
   bool has_work() const;
-  /// Whether any pass over the sorted points has begun.
+  /// Whether any tile has come from a pass over the sorted points.
   bool has_results() const;
 
   /// Makes sure that a directory made here can be renamed to `to`, which is free.
   Result<void> probe_rename(const std::string& to) const;
 
+  /// Removes what was made from the sorted points.
+  Result<void> remove_results() const;
   /// Removes what a complete result was made from.
   Result<void> remove_sources() const;
   /// Removes all that a job keeps here but the record, and nothing else.
@@ -61,11 +64,12 @@ class WorkDirectory {
   static Result<void> remove(WorkDirectory work, const JobRecord& record);
 
  private:
-  WorkDirectory(std::string path, OutputLock lock)
-      : path_(std::move(path)), lock_(std::move(lock)) {}
+  WorkDirectory(std::string path, OutputLock lock, bool made)
+      : path_(std::move(path)), lock_(std::move(lock)), made_(made) {}
   Result<void> check_names() const;
   std::string path_;
   OutputLock lock_;  ///< on the record
+  bool made_ = false;
 };
 
 }  // namespace pss
