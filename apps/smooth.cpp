@@ -89,13 +89,13 @@ class Smooth : public Command {
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(take_method());
     take_options();
+    Progress progress(reports_.progress);  // from here on a signal ends it in order
     PSS_ASSIGN(const ReportFile report, claim_report());
     ThreadLimit threads(limits_.threads);
     std::optional<simd::ForcedTarget> forced;
     for (const simd::Target& target : simd::targets())
       if (target.name == target_) forced.emplace(target);
     MemoryBudget budget(limit, thread_count());
-    Progress progress(reports_.progress);
     if (dry_run_) return estimate(report, budget, progress);
     PSS_ASSIGN(const SmoothReport done, smooth(job_, budget, progress));
     for (const std::string& line : summary_lines(done)) progress.note(line);

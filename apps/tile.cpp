@@ -89,13 +89,13 @@ class Tile : public Command {
     PSS_TRY(check_files(job_.inputs));
     PSS_TRY(check_output(job_.inputs, job_.output));
     const JobPlaces places = job_.places();
+    Progress progress(reports_.progress);  // from here on a signal ends it in order
     PSS_ASSIGN(
         const ReportFile report,
         ReportFile::claim(reports_.report, {"tile", job_.inputs, job_.output,
                                             places.work_directory(), places.overwrite, inputs_}));
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
-    Progress progress(reports_.progress);
     PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget));
     PSS_ASSIGN(JobRecord record, record_of(job_));
     PSS_ASSIGN(Job started, Job::enter(places, std::move(record), progress));

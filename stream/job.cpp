@@ -182,7 +182,12 @@ Result<void> Job::leave() {
 }
 
 Error Job::fail(Error why) {
-  if (!entered_ || !work_) return why;  // the directory may hold another job
+  if (!work_) return why;
+  if (!entered_) {  // the directory may hold another job
+    if (work_->made()) WorkDirectory::remove_empty(*std::move(work_));
+    work_.reset();
+    return why;
+  }
   if (!work_->has_work()) {
     const bool users = !places_.work_dir.empty() && !work_->made();  // an empty folder, before
     static_cast<void>(users ? work_->clear(record_)

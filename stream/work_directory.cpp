@@ -96,7 +96,13 @@ Result<void> WorkDirectory::check_names() const {
 }
 
 Result<void> WorkDirectory::write_record(const JobRecord& record) const {
-  const std::string text = to_text(record);
+  const Result<void> replaced = replace_record(to_text(record));
+  // Its lock goes with this process, and then nobody would know whose it is.
+  if (!replaced) disk::remove_file(lock_.temporary());
+  return replaced;
+}
+
+Result<void> WorkDirectory::replace_record(const std::string& text) const {
   PSS_ASSIGN(File file, File::create_anew(lock_.temporary()));
   PSS_TRY(file.write(0, std::as_bytes(std::span(text))));
   PSS_TRY(file.sync());
@@ -153,10 +159,14 @@ Result<void> WorkDirectory::clear(JobRecord record) const {
 
 Result<void> WorkDirectory::remove(WorkDirectory work, const JobRecord& record) {
   PSS_TRY(work.clear(record));
+  remove_empty(std::move(work));
+  return {};
+}
+
+void WorkDirectory::remove_empty(WorkDirectory work) {
   const std::string path = work.path_;
   { const OutputLock last = std::move(work.lock_); }
   disk::remove_directory(path);  // stays where something else lies in it
-  return {};
 }
 
 }  // namespace pss

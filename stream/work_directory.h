@@ -62,11 +62,14 @@ class WorkDirectory {
   Result<void> clear(JobRecord record) const;
   /// The same, and the directory, where nothing else lies in it.
   static Result<void> remove(WorkDirectory work, const JobRecord& record);
+  /// Ends its lock, and removes the directory where nothing lies in it.
+  static void remove_empty(WorkDirectory work);
 
  private:
   WorkDirectory(std::string path, OutputLock lock, bool made)
       : path_(std::move(path)), lock_(std::move(lock)), made_(made) {}
   Result<void> check_names() const;
+  Result<void> replace_record(const std::string& text) const;
   std::string path_;
   OutputLock lock_;  ///< on the record
   bool made_ = false;

@@ -26,6 +26,10 @@ def tree(folder):
     return {str(path.relative_to(folder)): content(path) for path in pathlib.Path(folder).rglob("*")}
 
 
+def named(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
 def kinds(theirs):
     """Ways in which somebody's thing can have a name, each as a function that puts it there; what
     links lead to lies in the folder `theirs`."""
@@ -87,6 +91,33 @@ class PlacesTest(SystemTest):
         """Leaves a job that has sorted its input, and found only then that it cannot go on."""
         self.refused(harness.USAGE, "smooth", self.scan, "-o", out, "--buffer", 0.001, *more,
                      says=["--buffer"])
+
+
+class Leaves(PlacesTest):
+    """Jobs with a state folder of their own."""
+
+    def setUp(self):
+        super().setUp()
+        self.out = self.fresh("here") / "out.las"
+        self.state = self.fresh("state")
+        self.environment = {**os.environ, "XDG_STATE_HOME": str(self.state)}
+
+    def words(self, *more, scan=None, out=None):
+        return ["smooth", scan or self.scan, "-o", out or self.out, "--radius", 0.5, *more]
+
+    def run_ok(self, *words):
+        return self.ok(*words, env=self.environment)
+
+    def complete(self, *words):
+        """Whether a job finds that all is done."""
+        run = self.run_ok(*words)
+        return "already complete" in run.err
+
+    def refused_here(self, code, *words, says=()):
+        """Refused with nothing changed beside OUTPUT."""
+        before = tree(self.out.parent)
+        self.refused(code, *words, says=says, env=self.environment)
+        self.assertEqual(tree(self.out.parent), before)
 
 
 def traced(inject, words, log=os.devnull):
