@@ -23,10 +23,10 @@ def stage_of(work):
     try:
         complete = json.loads((work / "job.json").read_text())["complete"]
     except FileNotFoundError:
-        return "start"
+        return "end" if (work.parent / "out.las").exists() else "start"
     if complete:
         return "end" if (work.parent / "out.las").exists() else "start"
-    if (work.parent / "out.las.part").exists():
+    if any(work.parent.glob(".out.las.*.pss-part")):
         return "write"
     for name, stage in (("result.pss", "smooth"), ("normals.pss", "normals")):
         if (work / name / "manifest").exists():
