@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 import signal
 import time
 
@@ -92,10 +93,20 @@ class Resume(ResumeTest):
         harness.finish(job)
         self.ok(*self.words(self.out))
 
+    def interrupt_with_tiles(self):
+        """A job that has computed tiles: before the first one any other parameters would do."""
+        job, work = self.start_and_wait_for_tiles(), self.path("out.las.work")
+        for _ in range(20):
+            time.sleep(0.1)
+            harness.signal_to(job, signal.SIGTERM)
+            self.assertEqual(harness.finish(job).code, INTERRUPTED)
+            if not re.search(r"tiles_done +0\n", self.ok("info", work).out):
+                return
+            job = harness.start(*self.words(self.out))
+        self.fail("no tile was computed")
+
     def test_other_parameters_or_inputs_are_refused_by_name_until_restart(self):
-        job = self.start_and_wait_for_tiles()
-        harness.signal_to(job, signal.SIGKILL)
-        harness.finish(job)
+        self.interrupt_with_tiles()
         self.refused(FAILED, *self.words(self.out, "--degree", "1"),
                      says=["polynomial-order", "--restart"])
         os.utime(self.scan, ns=(1, 1))
