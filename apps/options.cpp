@@ -187,9 +187,11 @@ void ReportOptions::declare_progress(Arguments& arguments) {
 }
 
 void ReportOptions::declare_report(Arguments& arguments) {
-  arguments.option("--report", "FILE", "Write a JSON report at the end, \"-\" to stdout; an existing file is replaced only "
-                   "with --overwrite; keys: docs/report.md",
-                   report, parse_text);
+  arguments.option(
+      "--report", "FILE",
+      "Write a JSON report at the end, \"-\" to stdout; an existing file is replaced only "
+      "with --overwrite; keys: docs/report.md",
+      report, parse_text);
 }
 
 Result<ScaleChoice> parse_scale_or_auto(std::string_view text) {
@@ -208,7 +210,8 @@ void GridOptions::declare(Arguments& arguments) {
 }
 
 void JobOptions::declare(Arguments& arguments) {
-  arguments.option("--work-dir", "DIR", "Where the job keeps its work; its record stays there [OUTPUT.work, gone after "
+  arguments.option("--work-dir", "DIR",
+                   "Where the job keeps its work; its record stays there [OUTPUT.work, gone after "
                    "success]",
                    work_dir, parse_text);
   arguments.flag("--keep-work", "Keep the work directory whole after success", keep_work);

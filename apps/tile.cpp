@@ -112,8 +112,7 @@ class Tile : public Command {
  private:
   Result<IngestSummary> build(Job& started, MemoryBudget& budget, Progress& progress) {
     const WorkDirectory& work = started.work();
-    PSS_ASSIGN(const IngestPlan plan,
-               plan_ingest(started.record().inputs, job_.ingest, progress));
+    PSS_ASSIGN(const IngestPlan plan, plan_ingest(started.record().inputs, job_.ingest, progress));
     for (const std::string& note : plan.notes) progress.note(note);
     PSS_ASSIGN(const IngestSummary summary,
                ingest(plan, work.input_store(), work.path(), job_.ingest, budget, progress));

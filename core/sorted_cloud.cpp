@@ -12,9 +12,9 @@
 #include "core/morton.h"
 #include "core/neighbours.h"
 #include "core/position_sample.h"
-#include "core/world_sample.h"
 #include "core/spacing.h"
 #include "core/vec3.h"
+#include "core/world_sample.h"
 
 namespace pss {
 namespace {

@@ -132,8 +132,8 @@ void note_inputs(Readers readers, const std::optional<Carry>& carry,
 }
 
 /// A scale that was not chosen for the points, by hand or carried on, may be too coarse for them.
-void note_rounding(const Writer& writer, const WorldSample& rounded,
-                   const ConvertOptions& options, std::vector<std::string>& notes) {
+void note_rounding(const Writer& writer, const WorldSample& rounded, const ConvertOptions& options,
+                   std::vector<std::string>& notes) {
   if (!writer.grid()) return;
   const char* origin = options.scale ? "--scale" : "scale";
   std::string note = coarse_step_note(origin, writer.grid()->scale, rounded.spacing().likely);

@@ -10,10 +10,10 @@
 
 #include "io/announced_count.h"
 #include "io/bytes.h"
-#include "io/output_file.h"
 #include "io/las_plan.h"
 #include "io/las_schema.h"
 #include "io/las_vlr.h"
+#include "io/output_file.h"
 
 namespace pss {
 namespace {

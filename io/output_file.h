@@ -38,8 +38,8 @@ struct OutputRules {
 /// replaced, or a directory.
 Result<void> check_replaceable(const std::string& path, bool overwrite);
 
-/// Writes a file front to back through a buffer of 1 MiB, under the temporary name of its lock until
-/// finish() renames it.
+/// Writes a file front to back through a buffer of 1 MiB, under the temporary name of its lock
+/// until finish() renames it.
 ///
 /// Unless finished, the temporary file is removed when this goes.
 /// Errors: kFailed where the name exists and may not be replaced, by create() and again by

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "io/announced_count.h"
-#include "io/output_file.h"
 #include "io/numbers.h"
+#include "io/output_file.h"
 #include "io/ply_plan.h"
 #include "io/positions.h"
 #include "io/raw_value.h"

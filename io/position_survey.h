@@ -11,8 +11,8 @@
 
 #include "core/lattice.h"
 #include "core/monitor.h"
-#include "core/world_sample.h"
 #include "core/result.h"
+#include "core/world_sample.h"
 #include "io/reader.h"
 
 namespace pss {

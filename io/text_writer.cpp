@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "io/announced_count.h"
-#include "io/output_file.h"
 #include "io/numbers.h"
+#include "io/output_file.h"
 #include "io/positions.h"
 #include "io/text_plan.h"
 

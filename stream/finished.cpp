@@ -33,10 +33,9 @@ std::optional<FinishedOutput> finished_from(json j, const std::string& real_path
   j.erase("checksum");
   if (checksum != hash_text(j.dump()) || j.at("version") != kVersion) return std::nullopt;
   if (name_of_json_text(j.at("output").get<std::string>()) != real_path) return std::nullopt;
-  return FinishedOutput{
-      j.at("identity").get<std::string>(),
-      {j.at("size").get<std::uint64_t>(), j.at("modified_ns").get<std::int64_t>(),
-       hash128_from(j.at("hash").get<std::string>())}};
+  return FinishedOutput{j.at("identity").get<std::string>(),
+                        {j.at("size").get<std::uint64_t>(), j.at("modified_ns").get<std::int64_t>(),
+                         hash128_from(j.at("hash").get<std::string>())}};
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ Result<void> InputSurvey::pass_all(SpacingMeter& meter) const {
 }
 
 Error InputSurvey::too_coarse_step(double step, double spacing, double steps_a_side) const {
-  return too_far(survey_, inputs_[survey_.farthest().position.input].path, step, spacing, steps_a_side);
+  return too_far(survey_, inputs_[survey_.farthest().position.input].path, step, spacing,
+                 steps_a_side);
 }
 
 }  // namespace pss

@@ -119,7 +119,8 @@ Result<void> Job::take_over(const JobRecord& before) {
   if (before.complete && (!work_->has_work() || difference(before, record_).empty()))
     return work_->clear(before);
   if (!before.spoiled.empty()) {
-    monitor_->note(fmt::format("begins again, because of what ended it before: {}", before.spoiled));
+    monitor_->note(
+        fmt::format("begins again, because of what ended it before: {}", before.spoiled));
     return work_->clear(before);
   }
   // What is sorted serves other parameters as well, as long as nothing is computed with the first.

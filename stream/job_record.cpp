@@ -54,9 +54,7 @@ std::string checksum_of(const json& j) {
 }
 
 /// Errors: throws json::exception for anything but an object.
-std::string object_text(const json& j) {
-  return json(j.get<json::object_t>()).dump();
-}
+std::string object_text(const json& j) { return json(j.get<json::object_t>()).dump(); }
 
 JobRecord record_from(const json& j) {
   JobRecord record;

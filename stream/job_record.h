@@ -16,7 +16,7 @@ namespace pss {
 struct JobRecord {
   std::string command;
   std::string output;
-  std::string sorting;     ///< JSON object: of the parameters, those that the sorted input depends on
+  std::string sorting;  ///< JSON object: of the parameters, those that the sorted input depends on
   std::string parameters;  ///< JSON object: all others that the result depends on
   std::vector<InputRecord> inputs;
   std::string spoiled;      ///< why what is kept is worthless: an input changed while it was read

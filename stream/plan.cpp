@@ -221,10 +221,11 @@ class Planner {
 
   Result<void> beyond_any_lattice(std::size_t axis) {
     PSS_TRY(check_steps(std::numeric_limits<double>::infinity()));
-    return Error{Fault::kBadInput,
-                 fmt::format("{}: positions from {} to {} are too far apart for any lattice; leave "
-                             "some out with --drop-outside",
-                             plan_.inputs[0], survey_.bounds().min[axis], survey_.bounds().max[axis])};
+    return Error{
+        Fault::kBadInput,
+        fmt::format("{}: positions from {} to {} are too far apart for any lattice; leave "
+                    "some out with --drop-outside",
+                    plan_.inputs[0], survey_.bounds().min[axis], survey_.bounds().max[axis])};
   }
 
   void note_moves() {

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "stream/smooth.h"
 #include "stream/job_record.h"
+#include "stream/smooth.h"
 #include "stream/smooth_job.h"
 
 namespace pss {

@@ -45,10 +45,11 @@ TEST(OutputFile, TellsItsContentBeforeItHasItsName) {
   TemporaryDirectory directory;
   Monitor monitor;
   std::optional<WrittenFile> told;
-  auto file = OutputFile::create(directory / "out", {.before_rename = [&](const WrittenFile& whole) {
-                                   told = whole;
-                                   return exists(directory / "out") ? Error{} : Result<void>();
-                                 }});
+  auto file =
+      OutputFile::create(directory / "out", {.before_rename = [&](const WrittenFile& whole) {
+                           told = whole;
+                           return exists(directory / "out") ? Error{} : Result<void>();
+                         }});
   ASSERT_TRUE(file);
   const std::string text(9000001, 'x');  // three pieces of the hash; the header's piece changes
   ASSERT_TRUE(file->append(text) && file->patch(5, bytes_of("PATCHED")));
@@ -70,8 +71,7 @@ TEST(OutputFile, IsNotWrittenBesideAnotherOfItsName) {
 
   ASSERT_TRUE(first);
   ASSERT_FALSE(second);
-  EXPECT_NE(second.error().message.find(fmt::format("process {} on ", getpid())),
-            std::string::npos)
+  EXPECT_NE(second.error().message.find(fmt::format("process {} on ", getpid())), std::string::npos)
       << second.error().message;
 }
 
@@ -158,8 +158,8 @@ TEST(OutputFile, RefusesADirectoryAndAMissingDirectory) {
 TEST(OutputFile, WhoseNoteFailsHasNoName) {
   TemporaryDirectory directory;
   {
-    auto file = OutputFile::create(
-        directory / "out", {.before_rename = [](const WrittenFile&) { return Error{}; }});
+    auto file = OutputFile::create(directory / "out",
+                                   {.before_rename = [](const WrittenFile&) { return Error{}; }});
     ASSERT_TRUE(file && file->append("x"));
     EXPECT_FALSE(file->finish());
   }

@@ -46,8 +46,9 @@ TEST(JobRecord, ComesBackWhole) {
 
 TEST(JobRecord, KeepsNamesOfAnyBytes) {
   for (const std::string& name :
-       {std::string("caf\xE9.las"), std::string("100%.las"), std::string("%41"), std::string("\xFF"),
-        std::string("na\xC3\xAFve.las"), std::string("new\nline \"quoted\"")}) {
+       {std::string("caf\xE9.las"), std::string("100%.las"), std::string("%41"),
+        std::string("\xFF"), std::string("na\xC3\xAFve.las"),
+        std::string("new\nline \"quoted\"")}) {
     JobRecord record = some_record();
     record.output = record.inputs[0].path = name;
 
@@ -66,7 +67,8 @@ TEST(JobRecord, ThatIsNotWholeIsNone) {
     changed[at] = static_cast<char>(changed[at] ^ 1);
     const auto found = read_again(changed);
     EXPECT_TRUE(!found || difference(*found, some_record()).empty()) << "byte " << at;
-    if (at + 1 < text.size()) EXPECT_FALSE(read_again(text.substr(0, at))) << "cut at " << at;
+    const bool only_the_last_newline = at + 1 == text.size();
+    EXPECT_TRUE(only_the_last_newline || !read_again(text.substr(0, at))) << "cut at " << at;
   }
 }
 
@@ -93,8 +95,7 @@ TEST(JobRecord, NamesTheFirstDifference) {
             "--radius was 1.5, is 2 now");
   EXPECT_EQ(difference_by([](JobRecord& r) { r.sorting = R"({"tile-points":8})"; }),
             "--tile-points was 9, is 8 now");
-  EXPECT_EQ(difference_by([](JobRecord& r) { r.inputs[1].size = 12; }),
-            "input b.las has changed");
+  EXPECT_EQ(difference_by([](JobRecord& r) { r.inputs[1].size = 12; }), "input b.las has changed");
   EXPECT_EQ(difference_by([](JobRecord& r) { r.inputs.pop_back(); }),
             "2 input files before, 1 now");
   EXPECT_EQ(difference_by([](JobRecord&) {}), "");

@@ -94,7 +94,8 @@ TEST(WorkDirectory, RefusesLinksUnderTheNamesOfAJob) {
     test::TemporaryDirectory folder;
     expect_ok(make_directories(folder / "theirs"));
     { expect_ok(expect_value(WorkDirectory::open(folder / "w")).write_record(some_record())); }
-    std::filesystem::create_directory_symlink(folder / "theirs", folder / (std::string("w/") + name));
+    std::filesystem::create_directory_symlink(folder / "theirs",
+                                              folder / (std::string("w/") + name));
 
     const auto work = WorkDirectory::open(folder / "w");
 
