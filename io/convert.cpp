@@ -122,12 +122,19 @@ Result<void> copy(Reader& reader, Adapter adapter, Writer& writer, WorldSample& 
   }
 }
 
-void note_inputs(Readers readers, const std::optional<Carry>& carry,
-                 std::vector<std::string>& notes) {
+/// All but the carried header, which may be large.
+WriteOptions without_carry(WriteOptions& options) {
+  std::optional<Carry> carry = std::exchange(options.carry, std::nullopt);
+  WriteOptions rest = options;
+  options.carry = std::move(carry);
+  return rest;
+}
+
+void note_inputs(Readers readers, bool carries, std::vector<std::string>& notes) {
   for (const Reader* reader : readers)
     for (const std::string& warning : reader->header().warnings)
       notes.push_back(fmt::format("{}: {}", reader->header().path, warning));
-  if (readers.size() > 1 && carry)
+  if (readers.size() > 1 && carries)
     notes.push_back("the header is that of the first input of the output's format");
 }
 
@@ -140,28 +147,59 @@ void note_rounding(const Writer& writer, const WorldSample& rounded, const Conve
   if (!note.empty()) notes.push_back(std::move(note));
 }
 
-}  // namespace
-
-Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
-                                   const ConvertOptions& options, Monitor& monitor) {
-  if (readers.empty()) return Error{Fault::kFailed, "no input: there is nothing to convert"};
+Result<ConvertSummary> copy_all(Readers readers, std::optional<Carry> carry,
+                                const std::string& output, const ConvertOptions& options,
+                                Monitor& monitor) {
   PSS_TRY(check_replaceable(output, options.overwrite));
   PSS_ASSIGN(const OutputLock lock, OutputLock::take(output));
-  PSS_ASSIGN(WriteOptions planned, plan_conversion(readers, output, options, monitor));
-  planned.rules = {options.overwrite, &lock, options.before_rename};
-  PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, planned));
   ConvertSummary summary;
-  note_inputs(readers, planned.carry, summary.notes);
-  monitor.begin("convert", planned.count);
+  note_inputs(readers, carry.has_value(), summary.notes);
+  PSS_ASSIGN(WriteOptions planned,
+             plan_conversion(readers, std::move(carry), output, options, monitor));
+  planned.rules = {options.overwrite, &lock, options.before_rename};
+  const WriteOptions shape = without_carry(planned);
+  PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, std::move(planned)));
+  monitor.begin("convert", shape.count);
   WorldSample rounded;
   for (Reader* reader : readers)
-    PSS_TRY(copy(*reader, Adapter(*reader, planned, options.drop_outside), *writer, rounded,
-                 summary, monitor));
+    PSS_TRY(copy(*reader, Adapter(*reader, shape, options.drop_outside), *writer, rounded, summary,
+                 monitor));
   PSS_TRY(writer->finish());
   note_rounding(*writer, rounded, options, summary.notes);
   const auto& written = writer->notes();
   summary.notes.insert(summary.notes.end(), written.begin(), written.end());
   return summary;
+}
+
+/// What convert() keeps of its inputs: there may be thousands.
+struct Opened {
+  std::vector<std::unique_ptr<Reader>> readers;
+  std::optional<Carry> carry;  ///< of the first input of the output's format
+  std::string crs;             ///< the first that is named
+
+  Result<void> add(const std::string& input, Format format) {
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader,
+               open_reader_holding(carry ? HeadBytes::kLeft : HeadBytes::kKept, input));
+    CloudHeader header = reader->header();
+    if (!carry && header.carry.format == format && !header.carry.head.empty())
+      carry = std::move(header.carry);
+    header.carry = {};
+    if (crs.empty())
+      crs = header.crs;
+    else if (header.crs == crs)
+      header.crs.clear();
+    readers.push_back(std::make_unique<ReaderOnDemand>(std::move(header)));
+    return {};
+  }
+};
+
+}  // namespace
+
+Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
+                                   const ConvertOptions& options, Monitor& monitor) {
+  if (readers.empty()) return Error{Fault::kFailed, "no input: there is nothing to convert"};
+  PSS_ASSIGN(const Format format, format_for(output));
+  return copy_all(readers, carry_for(readers, format), output, options, monitor);
 }
 
 Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std::string& output,
@@ -171,20 +209,21 @@ Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std
       check_grid_options(output, format, options.scale.has_value(), options.offset.has_value()));
   PSS_TRY(check_files(inputs));
   PSS_TRY(check_output(inputs, output));
+  if (inputs.empty()) return Error{Fault::kFailed, "no input: there is nothing to convert"};
   std::vector<InputRecord> records;
   for (const std::string& input : inputs) {
     PSS_ASSIGN(InputRecord record, settled_fingerprint(input));
     records.push_back(std::move(record));
   }
-  PSS_ASSIGN(const auto owned, open_on_demand(records, format));
+  PSS_ASSIGN(OnDemand opened, open_on_demand(records, format));
   std::vector<Reader*> readers;
-  for (const auto& reader : owned) readers.push_back(reader.get());
+  for (const auto& reader : opened.readers) readers.push_back(reader.get());
   ConvertOptions watched = options;
   watched.before_rename = [&](const WrittenFile& written) -> Result<void> {
     PSS_TRY(check_unchanged(records));
     return options.before_rename ? options.before_rename(written) : Result<void>();
   };
-  return copy_points(readers, output, watched, monitor);
+  return copy_all(readers, std::move(opened.carry), output, watched, monitor);
 }
 
 }  // namespace pss

@@ -45,14 +45,6 @@ std::optional<Lattice> common_grid(Readers readers) {
   return first;
 }
 
-std::optional<Carry> carry_for(Readers readers, Format format) {
-  for (const Reader* reader : readers) {
-    const Carry& carry = reader->header().carry;
-    if (carry.format == format && !carry.head.empty()) return carry;
-  }
-  return std::nullopt;
-}
-
 Schema united_schema(Readers readers) {
   Schema schema = readers.front()->header().schema;
   for (const Reader* reader : readers.subspan(1)) schema = unite(schema, reader->header().schema);
@@ -69,16 +61,17 @@ double coarsest_step(const Lattice& grid, const WorldBox& bounds) {
 
 class Planner {
  public:
-  Planner(Readers readers, const std::string& output, const ConvertOptions& options,
-          Monitor& monitor)
-      : readers_(readers), output_(output), options_(options), monitor_(monitor) {}
+  Planner(Readers readers, std::optional<Carry> carry, const std::string& output,
+          const ConvertOptions& options, Monitor& monitor)
+      : readers_(readers), output_(output), options_(options), monitor_(monitor) {
+    write_.carry = std::move(carry);
+  }
 
   Result<WriteOptions> plan() {
     PSS_ASSIGN(write_.format, format_for(output_));
     PSS_TRY(check_crs(readers_));
     write_.schema = united_schema(readers_);
     write_.grid = common_grid(readers_);
-    write_.carry = carry_for(readers_, write_.format);
     write_.scale = options_.scale;
     write_.offset = options_.offset;
     write_.same_points = readers_.size() == 1 && write_.carry && !options_.scale &&
@@ -206,9 +199,18 @@ class Planner {
 
 }  // namespace
 
-Result<WriteOptions> plan_conversion(Readers readers, const std::string& output,
-                                     const ConvertOptions& options, Monitor& monitor) {
-  return Planner(readers, output, options, monitor).plan();
+std::optional<Carry> carry_for(Readers readers, Format format) {
+  for (const Reader* reader : readers) {
+    const Carry& carry = reader->header().carry;
+    if (carry.format == format && !carry.head.empty()) return carry;
+  }
+  return std::nullopt;
+}
+
+Result<WriteOptions> plan_conversion(Readers readers, std::optional<Carry> carry,
+                                     const std::string& output, const ConvertOptions& options,
+                                     Monitor& monitor) {
+  return Planner(readers, std::move(carry), output, options, monitor).plan();
 }
 
 }  // namespace pss

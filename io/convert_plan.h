@@ -1,6 +1,7 @@
 #pragma once
 // What the file that points are converted to will look like, found out before the first is written.
 
+#include <optional>
 #include <span>
 #include <string>
 
@@ -12,14 +13,17 @@
 namespace pss {
 
 /// What the writer of `output` must know of all readers together, which are at their first points
-/// before and after.
+/// before and after. `carry` is the header that it carries on, where there is one.
 ///
 /// Reads all points of those whose count or bounds are not promised, and of all of them before it
 /// refuses anything for what a header promises.
 /// Errors: kUsage for an unknown extension; kBadInput for coordinate systems that differ, for a
 ///         scale and offset that cannot hold the points, and for a far point that makes a chosen
 ///         scale too coarse for the others; kInterrupted; those of reading.
-Result<WriteOptions> plan_conversion(std::span<Reader* const> readers, const std::string& output,
-                                     const ConvertOptions& options, Monitor& monitor);
+Result<WriteOptions> plan_conversion(std::span<Reader* const> readers, std::optional<Carry> carry,
+                                     const std::string& output, const ConvertOptions& options,
+                                     Monitor& monitor);
+/// The first header of the format that can be carried on.
+std::optional<Carry> carry_for(std::span<Reader* const> readers, Format format);
 
 }  // namespace pss

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "io/bytes.h"
 #include "io/wkt.h"
@@ -11,7 +10,6 @@
 namespace pss {
 namespace {
 
-constexpr std::uint16_t kWkt = 2112;
 constexpr std::uint16_t kGeoKeys = 34735;
 constexpr std::uint16_t kGeoDoubles = 34736;
 constexpr std::uint16_t kGeographicType = 2048;
@@ -20,19 +18,12 @@ constexpr std::uint16_t kUserDefined = 32767;
 constexpr std::size_t kMostValues = 16;  ///< of one key; hostile files claim thousands
 
 /// The bytes of a record of user id LASF_Projection.
-std::optional<std::span<const std::byte>> projection(std::span<const Vlr> vlrs,
+std::optional<std::span<const std::byte>> projection(const VlrRange& vlrs,
                                                      std::span<const std::byte> bytes,
                                                      std::uint16_t record) {
   for (const Vlr& vlr : vlrs)
     if (vlr.is("LASF_Projection", record)) return payload(vlr, bytes);
   return std::nullopt;
-}
-
-/// Unreadable WKT is compared as it stands.
-std::string crs_of_wkt(std::span<const std::byte> bytes) {
-  const std::string wkt = text_in(bytes);
-  const std::string comparable = comparable_wkt(wkt);
-  return comparable.empty() ? wkt : comparable;
 }
 
 struct GeoKey {
@@ -72,10 +63,16 @@ std::string crs_of_keys(std::span<const std::byte> bytes, std::span<const std::b
 
 }  // namespace
 
-std::string las_crs(std::span<const Vlr> vlrs, std::span<const std::byte> head,
-                    std::span<const Vlr> evlrs, std::span<const std::byte> tail) {
-  if (const auto wkt = projection(vlrs, head, kWkt)) return crs_of_wkt(*wkt);
-  if (const auto wkt = projection(evlrs, tail, kWkt)) return crs_of_wkt(*wkt);
+std::string crs_of_wkt(std::span<const std::byte> bytes) {
+  const std::string wkt = text_in(bytes);
+  const std::string comparable = comparable_wkt(wkt);
+  return comparable.empty() ? wkt : comparable;
+}
+
+std::string las_crs(const VlrRange& vlrs, std::span<const std::byte> head,
+                    const std::optional<std::string>& tail_crs) {
+  if (const auto wkt = projection(vlrs, head, kWktRecord)) return crs_of_wkt(*wkt);
+  if (tail_crs) return *tail_crs;
   const auto keys = projection(vlrs, head, kGeoKeys);
   if (!keys) return {};
   const auto doubles = projection(vlrs, head, kGeoDoubles);

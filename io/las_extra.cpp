@@ -147,8 +147,7 @@ std::vector<ExtraField> read_extra_fields(std::span<const std::byte> descriptors
   return all;
 }
 
-std::vector<std::byte> extra_descriptors(std::span<const Vlr> vlrs,
-                                         std::span<const std::byte> head) {
+std::vector<std::byte> extra_descriptors(const VlrRange& vlrs, std::span<const std::byte> head) {
   std::vector<std::byte> all;
   for (const Vlr& vlr : vlrs) {
     if (!vlr.is("LASF_Spec", kExtraBytesRecord)) continue;

@@ -30,8 +30,7 @@ std::vector<ExtraField> read_extra_fields(std::span<const std::byte> descriptors
                                           std::vector<std::string>& warnings);
 
 /// The descriptors of all extra-bytes VLRs, one behind the other.
-std::vector<std::byte> extra_descriptors(std::span<const Vlr> vlrs,
-                                         std::span<const std::byte> head);
+std::vector<std::byte> extra_descriptors(const VlrRange& vlrs, std::span<const std::byte> head);
 
 /// Whether a descriptor can be made for a field.
 bool can_describe(const Field& field);

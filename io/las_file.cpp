@@ -2,18 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <utility>
+
+#include "io/las_evlrs.h"
 
 namespace pss {
 namespace {
 
-/// A damaged file can promise no more than this; real ones have a handful.
-constexpr std::uint32_t kMostEvlrs = 100000;
-
-void check_vlrs(LasHead& head) {
-  const std::size_t found = head.vlrs.size();
+void check_vlrs(LasHead& head, std::size_t found) {
   if (found < head.header.vlr_count)
     head.warnings.push_back(fmt::format(
         "found {} VLRs that lie whole before the points at offset {}, expected {}; the others are "
@@ -30,108 +26,49 @@ void check_counts(LasHead& head) {
                     h.count, h.legacy_count));
 }
 
-/// Says what lies behind the points and is not read.
-void check_rest(const LasHeader& header, std::uint64_t size, std::vector<std::string>& warnings) {
-  if (header.has_evlrs() && header.evlr_count > 0) return;
-  if (header.wave_offset != 0 || header.end_of_points() >= size) return;
-  warnings.push_back(
-      fmt::format("{} bytes behind the last point belong to nothing and are "
-                  "ignored{}",
-                  size - header.end_of_points(),
-                  header.points() == 0 ? "; the header promises no points" : ""));
-}
-
-Error past_end(const File& file, std::uint64_t offset, std::uint64_t length, std::uint64_t size) {
-  return {Fault::kBadInput, fmt::format("{}: EVLR at offset {}: expected {} bytes, found the "
-                                        "file's end at {}; it is cut short or damaged",
-                                        file.path(), offset, length, size)};
-}
-
-/// Whether [offset, offset + length) lies within `size` bytes.
-bool within(std::uint64_t offset, std::uint64_t length, std::uint64_t size) {
-  return offset <= size && length <= size - offset;
-}
-
-/// Appends the EVLR at `offset` to `tail`, or says why not; returns where the next one is.
-Result<std::uint64_t> add_evlr(const File& file, std::uint64_t offset, std::uint64_t size,
-                               std::vector<std::byte>& tail, std::vector<std::string>& warnings) {
-  if (!within(offset, kEvlrHeader, size)) return past_end(file, offset, kEvlrHeader, size);
-  std::array<std::byte, kEvlrHeader> bytes;
-  PSS_TRY(file.read(offset, bytes));
-  const EvlrHeader evlr = load_evlr_header(bytes);
-  if (!within(offset + kEvlrHeader, evlr.length, size))
-    return past_end(file, offset + kEvlrHeader, evlr.length, size);
-  const std::uint64_t whole = kEvlrHeader + evlr.length;
-  const char* why = reason_to_drop(evlr.user_id, evlr.record_id);
-  if (!why && whole > kLasLargestCarry - tail.size()) why = "it is too large to be carried on";
-  if (why) {
-    warnings.push_back(
-        fmt::format("EVLR '{}' {} is dropped: {}", evlr.user_id, evlr.record_id, why));
-  } else {
-    tail.resize(tail.size() + whole);
-    PSS_TRY(file.read(offset, std::span(tail).last(whole)));
-  }
-  return offset + whole;
-}
-
 }  // namespace
 
-Result<LasHead> parse_las_head(std::vector<std::byte> bytes, const std::string& path,
-                               std::uint64_t file_size) {
+Result<LasHeader> understood_las_header(std::span<const std::byte> bytes, const std::string& path,
+                                        std::uint64_t file_size) {
   if (!is_las(bytes) || bytes.size() < kLasSmallestHeader)
     return Error{Fault::kBadInput,
                  fmt::format("{}: offset 0: found {} bytes, expected a LAS header of at least {}",
                              path, bytes.size(), kLasSmallestHeader)};
+  const LasHeader header = load_las_header(bytes);
+  PSS_TRY(check_las_header(header, path, file_size));
+  return header;
+}
+
+LasHead las_head(const LasHeader& header, std::vector<std::byte> bytes, std::size_t vlrs) {
   LasHead head;
-  head.header = load_las_header(bytes);
-  PSS_TRY(check_las_header(head.header, path, file_size));
+  head.header = header;
   head.bytes = std::move(bytes);
-  head.vlrs = list_vlrs(head.bytes, head.header.header_size, head.header.vlr_count);
-  const std::size_t extra_size =
-      head.header.record_length - las_record_size(head.header.point_format);
-  head.extra = read_extra_fields(extra_descriptors(head.vlrs, head.bytes), extra_size,
-                                 las_standard_schema(head.header.point_format), head.warnings);
-  check_vlrs(head);
+  const std::size_t extra_size = header.record_length - las_record_size(header.point_format);
+  head.extra = read_extra_fields(extra_descriptors(head.vlrs(), head.bytes), extra_size,
+                                 las_standard_schema(header.point_format), head.warnings);
+  check_vlrs(head, vlrs);
   check_counts(head);
   return head;
 }
 
-Result<LasHead> read_las_head(const File& file) {
-  PSS_ASSIGN(const std::uint64_t size, file.size());
-  std::vector<std::byte> bytes(kLas14Header);
-  PSS_ASSIGN(const std::size_t got, file.read_some(0, bytes));
-  bytes.resize(got);
-  if (!is_las(bytes) || got < kLasSmallestHeader) return parse_las_head(bytes, file.path(), size);
-  const LasHeader header = load_las_header(bytes);
-  PSS_TRY(check_las_header(header, file.path(), size));
-  if (header.point_offset > kLasLargestCarry)
-    return Error{
-        Fault::kBadInput,
-        fmt::format("{}: LAS header, offset 96: found {} bytes before the points, expected "
-                    "at most {}",
-                    file.path(), header.point_offset, kLasLargestCarry)};
-  bytes.resize(header.point_offset);
-  PSS_TRY(file.read(0, bytes));
-  return parse_las_head(std::move(bytes), file.path(), size);
+Result<LasHead> parse_las_head(std::vector<std::byte> bytes, const std::string& path,
+                               std::uint64_t file_size) {
+  PSS_ASSIGN(const LasHeader header, understood_las_header(bytes, path, file_size));
+  const std::size_t vlrs = list_vlrs(bytes, header.header_size, header.vlr_count).size();
+  return las_head(header, std::move(bytes), vlrs);
 }
 
-Result<std::vector<std::byte>> read_las_tail(const File& file, const LasHeader& header,
-                                             std::vector<std::string>& warnings) {
-  PSS_ASSIGN(const std::uint64_t size, file.size());
-  check_rest(header, size, warnings);
-  if (header.has_wave_offset() && header.wave_offset != 0)
-    warnings.push_back("waveform data packets are not carried on; the points keep their fields");
-  const std::uint32_t count = header.has_evlrs() ? header.evlr_count : 0;
-  if (count > kMostEvlrs)
-    return Error{Fault::kBadInput, fmt::format("{}: LAS header, offset 243: found {} EVLRs, "
-                                               "expected at most {}",
-                                               file.path(), count, kMostEvlrs)};
-  std::vector<std::byte> tail;
-  std::uint64_t offset = header.evlr_offset;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    PSS_ASSIGN(offset, add_evlr(file, offset, size, tail, warnings));
-  }
-  return tail;
+Result<Carry> read_las_carry(const File& file, const LasHeader& header, std::uint64_t tail_size) {
+  Carry carry{Format::kLas, std::vector<std::byte>(header.point_offset), {}};
+  PSS_TRY(file.read(0, carry.head));
+  carry.tail.reserve(static_cast<std::size_t>(tail_size));
+  PSS_TRY(for_each_evlr(file, header, [&](const Evlr& evlr) -> Result<void> {
+    if (evlr.why_dropped || carry.tail.size() + evlr.size() > tail_size) return {};
+    carry.tail.resize(carry.tail.size() + static_cast<std::size_t>(evlr.size()));
+    return file.read(evlr.offset,
+                     std::span(carry.tail).last(static_cast<std::size_t>(evlr.size())));
+  }));
+  return carry;
 }
 
 }  // namespace pss

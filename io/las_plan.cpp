@@ -20,9 +20,9 @@ constexpr std::size_t kSystemId = 26;
 constexpr std::size_t kSoftware = 58;
 
 /// A head of our own: no clock, no machine, so that equal points give equal files.
-LasHead fresh_head(const WriteOptions& options) {
+LasHead fresh_head(const Schema& schema) {
   LasHead head;
-  const LasTraits traits = las_traits_for(options.schema);
+  const LasTraits traits = las_traits_for(schema);
   head.header.point_format = las_format_with(traits);
   head.header.minor = std::max<std::uint8_t>(2, las_version_for(head.header.point_format));
   head.header.header_size = static_cast<std::uint16_t>(
@@ -42,10 +42,11 @@ bool carries_las(const WriteOptions& options) {
   return options.carry && options.carry->format == Format::kLas && !options.carry->head.empty();
 }
 
-Result<LasHead> base_head(const std::string& path, const WriteOptions& options) {
-  if (!carries_las(options)) return fresh_head(options);
-  PSS_ASSIGN(LasHead head, parse_las_head(options.carry->head, path + " (carried header)",
-                                          std::numeric_limits<std::uint64_t>::max()));
+Result<LasHead> base_head(const std::string& path, WriteOptions& options, const Schema& schema) {
+  if (!carries_las(options)) return fresh_head(schema);
+  PSS_ASSIGN(LasHead head,
+             parse_las_head(std::move(options.carry->head), path + " (carried header)",
+                            std::numeric_limits<std::uint64_t>::max()));
   if (head.bytes.size() != head.header.point_offset)
     return Error{Fault::kBadInput,
                  fmt::format("{}: found a carried header of {} bytes, expected {}", path,
@@ -110,9 +111,9 @@ void note_crs(LasHead& head, std::vector<std::string>& notes) {
   const auto is_projection = [](std::uint16_t record) {
     return [record](const Vlr& vlr) { return vlr.is("LASF_Projection", record); };
   };
-  if (std::ranges::any_of(head.vlrs, is_projection(2112)))
+  if (std::ranges::any_of(head.vlrs(), is_projection(2112)))
     head.header.global_encoding |= kLasWktBit;
-  else if (std::ranges::any_of(head.vlrs, is_projection(34735)))
+  else if (std::ranges::any_of(head.vlrs(), is_projection(34735)))
     notes.push_back(
         "the coordinate system stays in GeoTIFF keys, where the new point format "
         "expects WKT");
@@ -185,16 +186,14 @@ Schema with_las_names(const Schema& schema) {
   return result;
 }
 
-Result<LasPlan> plan_las(const std::string& path, const WriteOptions& options) {
+Result<LasPlan> plan_las(const std::string& path, WriteOptions& options) {
   LasPlan plan;
   const Schema schema = with_las_names(options.schema);
-  WriteOptions named = options;
-  named.schema = schema;
-  PSS_ASSIGN(LasHead head, base_head(path, named));
+  const bool carried = carries_las(options);
+  PSS_ASSIGN(LasHead head, base_head(path, options, schema));
   const LasHeader before = head.header;
   PSS_ASSIGN(const bool changed, fit(head, options, schema, path, plan.notes));
   PSS_TRY(set_lengths(head, path));
-  const bool carried = carries_las(options);
   plan.keeps_layout = carried && !changed;
   plan.legacy_counts = carried && before.has_evlrs()
                            ? before.legacy_count != 0 || before.count == 0
@@ -204,7 +203,7 @@ Result<LasPlan> plan_las(const std::string& path, const WriteOptions& options) {
   const Lattice grid = choose_las_grid(options, carried_grid, plan.notes);
   head.header.scale = grid.scale;
   head.header.offset = grid.origin;
-  if (carried && head.header.has_evlrs()) plan.tail = options.carry->tail;
+  if (carried && head.header.has_evlrs()) plan.tail = std::move(options.carry->tail);
   plan.header = head.header;
   plan.schema = head.schema();
   plan.head = std::move(head.bytes);

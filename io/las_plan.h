@@ -22,10 +22,11 @@ struct LasPlan {
   std::vector<std::string> notes;
 };
 
-/// Carries the input's header on where there is one, and changes only what the schema needs.
+/// Carries the input's header on where there is one, and changes only what the schema needs. Takes
+/// the carried bytes from `options`.
 ///
 /// Errors: kBadInput where the attributes do not fit into a LAS record.
-Result<LasPlan> plan_las(const std::string& path, const WriteOptions& options);
+Result<LasPlan> plan_las(const std::string& path, WriteOptions& options);
 
 /// The schema with PLY's and text's usual names (red, gps_time) as LAS has them, where the LAS
 /// field holds every value of the attribute.

@@ -9,7 +9,7 @@
 
 #include "io/bytes.h"
 #include "io/las_crs.h"
-#include "io/las_file.h"
+#include "io/las_survey.h"
 
 namespace pss {
 namespace {
@@ -101,8 +101,13 @@ class LasReader : public Reader {
 }  // namespace
 
 Result<std::unique_ptr<Reader>> open_las(const std::string& path) {
+  return open_las_holding(HeadBytes::kKept, path);
+}
+
+Result<std::unique_ptr<Reader>> open_las_holding(HeadBytes bytes, const std::string& path) {
   PSS_ASSIGN(File file, File::open(path));
-  PSS_ASSIGN(LasHead head, read_las_head(file));
+  PSS_ASSIGN(LasSurvey survey, survey_las(file));
+  LasHead& head = survey.head;
   CloudHeader header;
   header.path = path;
   header.format = Format::kLas;
@@ -111,10 +116,11 @@ Result<std::unique_ptr<Reader>> open_las(const std::string& path) {
   header.bounds = bounds_of(head.header);
   header.schema = head.schema();
   header.warnings = std::move(head.warnings);
-  PSS_ASSIGN(header.carry.tail, read_las_tail(file, head.header, header.warnings));
-  header.crs = las_crs(head.vlrs, head.bytes, list_evlrs(header.carry.tail), header.carry.tail);
-  header.carry.format = Format::kLas;
-  header.carry.head = std::move(head.bytes);
+  header.crs = las_crs(head.vlrs(), head.bytes, survey.tail_crs);
+  header.carry_size = survey.carry_size();
+  if (bytes == HeadBytes::kKept) {
+    PSS_ASSIGN(header.carry, read_las_carry(file, head.header, survey.tail_size));
+  }
   return std::unique_ptr<Reader>(
       std::make_unique<LasReader>(std::move(file), head.header, std::move(header)));
 }

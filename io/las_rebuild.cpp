@@ -41,7 +41,6 @@ void raise_version(LasHead& head, std::uint8_t minor, std::vector<std::string>& 
     const std::size_t growth = bytes.size() - old_size;
     bytes.insert(bytes.end(), head.bytes.begin() + static_cast<std::ptrdiff_t>(old_size),
                  head.bytes.end());
-    for (Vlr& vlr : head.vlrs) vlr.position += growth;
     head.header.header_size = static_cast<std::uint16_t>(old_size + growth);
     head.bytes = std::move(bytes);
   }
@@ -49,10 +48,12 @@ void raise_version(LasHead& head, std::uint8_t minor, std::vector<std::string>& 
 }
 
 Result<void> rebuild_vlrs(LasHead& head, bool new_extra, const std::string& path) {
-  std::vector<std::byte> bytes(head.bytes.begin(), head.bytes.begin() + head.header.header_size);
+  std::vector<std::byte> bytes;
+  bytes.reserve(head.bytes.size() + kVlrHeader + std::numeric_limits<std::uint16_t>::max());
+  bytes.assign(head.bytes.begin(), head.bytes.begin() + head.header.header_size);
   std::uint32_t count = 0;
   std::size_t end = head.header.header_size;
-  for (const Vlr& vlr : head.vlrs) {
+  for (const Vlr& vlr : head.vlrs()) {
     end = vlr.end();
     if (reason_to_drop(vlr.user_id, vlr.record_id)) continue;
     if (new_extra && vlr.is("LASF_Spec", kExtraBytesRecord)) continue;
@@ -79,14 +80,12 @@ Result<void> rebuild_vlrs(LasHead& head, bool new_extra, const std::string& path
 }
 
 bool drops_vlrs(const LasHead& head, std::vector<std::string>& notes) {
-  bool any = false;
-  for (const Vlr& vlr : head.vlrs) {
-    const char* why = reason_to_drop(vlr.user_id, vlr.record_id);
-    if (!why) continue;
-    notes.push_back(fmt::format("VLR '{}' {} is dropped: {}", vlr.user_id, vlr.record_id, why));
-    any = true;
-  }
-  return any;
+  DropNotes dropped("VLR");
+  for (const Vlr& vlr : head.vlrs())
+    if (const char* why = reason_to_drop(vlr.user_id, vlr.record_id))
+      dropped.add(vlr.user_id, vlr.record_id, why, notes);
+  dropped.finish(notes);
+  return dropped.any();
 }
 
 }  // namespace pss

@@ -1,5 +1,7 @@
 #include "io/las_vlr.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cstring>
@@ -16,6 +18,8 @@ constexpr std::size_t kUserId = 2;
 constexpr std::size_t kRecordId = 18;
 constexpr std::size_t kLength = 20;
 constexpr std::size_t kVlrDescription = 22;
+/// Dropped records that are named each.
+constexpr std::size_t kMostNamed = 16;
 
 std::optional<Vlr> vlr_at(std::span<const std::byte> bytes, std::size_t position,
                           std::size_t header_size) {
@@ -38,30 +42,39 @@ std::span<const std::byte> payload(const Vlr& vlr, std::span<const std::byte> by
   return bytes.subspan(vlr.position + vlr.header_size, vlr.length);
 }
 
-std::vector<Vlr> list_vlrs(std::span<const std::byte> head, std::size_t header_size,
-                           std::uint32_t count) {
-  std::vector<Vlr> list;
-  std::size_t position = header_size;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::optional<Vlr> vlr = vlr_at(head, position, kVlrHeader);
-    if (!vlr) break;
-    position = vlr->end();
-    list.push_back(*vlr);
-  }
-  return list;
+VlrRange::Iterator::Iterator(const VlrRange& range, std::size_t position) : range_(&range) {
+  look(position);
 }
 
-std::vector<Vlr> list_evlrs(std::span<const std::byte> tail) {
-  std::vector<Vlr> list;
-  std::size_t position = 0;
-  while (const std::optional<Vlr> vlr = vlr_at(tail, position, kEvlrHeader)) {
-    position = vlr->end();
-    list.push_back(*vlr);
-  }
-  return list;
+VlrRange::Iterator& VlrRange::Iterator::operator++() {
+  ++number_;
+  look(vlr_->end());
+  return *this;
 }
 
-EvlrHeader load_evlr_header(std::span<const std::byte> bytes) {
+void VlrRange::Iterator::look(std::size_t position) {
+  vlr_ = number_ < range_->most_ ? vlr_at(range_->bytes_, position, range_->header_size_)
+                                 : std::nullopt;
+}
+
+std::size_t VlrRange::size() const {
+  std::size_t count = 0;
+  for (auto at = begin(); at != end(); ++at) ++count;
+  return count;
+}
+
+VlrRange list_vlrs(std::span<const std::byte> head, std::size_t header_size, std::uint32_t count) {
+  return {head, header_size, kVlrHeader, count};
+}
+
+VlrRange list_evlrs(std::span<const std::byte> tail) { return {tail, 0, kEvlrHeader, tail.size()}; }
+
+VlrHeader load_vlr_header(std::span<const std::byte> bytes) {
+  return {text_in(bytes.subspan(kUserId, 16)), load_le<std::uint16_t>(bytes, kRecordId),
+          load_le<std::uint16_t>(bytes, kLength)};
+}
+
+VlrHeader load_evlr_header(std::span<const std::byte> bytes) {
   return {text_in(bytes.subspan(kUserId, 16)), load_le<std::uint16_t>(bytes, kRecordId),
           load_le<std::uint64_t>(bytes, kLength)};
 }
@@ -83,6 +96,17 @@ const char* reason_to_drop(std::string_view user_id, std::uint16_t record_id) {
   if (user_id == "laszip encoded") return "the points are not compressed";
   if (user_id == "LASF_Spec" && record_id == 65535) return "waveform data is not written again";
   return nullptr;
+}
+
+void DropNotes::add(std::string_view user_id, std::uint16_t record_id, const char* why,
+                    std::vector<std::string>& notes) {
+  if (++count_ <= kMostNamed)
+    notes.push_back(fmt::format("{} '{}' {} is dropped: {}", kind_, user_id, record_id, why));
+}
+
+void DropNotes::finish(std::vector<std::string>& notes) const {
+  if (count_ > kMostNamed)
+    notes.push_back(fmt::format("{} more {}s are dropped", count_ - kMostNamed, kind_));
 }
 
 }  // namespace pss

@@ -75,7 +75,11 @@ class LasWriter : public Writer {
 
   Result<void> begin() {
     drop_wave_data();
-    return file_.append(plan_.head);
+    PSS_TRY(file_.append(plan_.head));
+    // Only the header block is written again; VLRs of many megabytes need not be held till then.
+    plan_.head.resize(plan_.header.header_size);
+    plan_.head.shrink_to_fit();
+    return {};
   }
 
   std::optional<Lattice> grid() const override { return plan_.header.grid(); }
@@ -109,7 +113,7 @@ class LasWriter : public Writer {
       describe_points();
     PSS_TRY(place_evlrs());
     store_las_header(plan_.header, plan_.head);
-    PSS_TRY(file_.patch(0, std::span(plan_.head).first(plan_.header.header_size)));
+    PSS_TRY(file_.patch(0, plan_.head));
     return file_.finish();
   }
 
@@ -199,10 +203,10 @@ class LasWriter : public Writer {
 
   Result<void> place_evlrs() {
     LasHeader& h = plan_.header;
-    const std::vector<Vlr> evlrs = list_evlrs(plan_.tail);
-    if (!evlrs.empty() || h.evlr_count != 0 || !keeps_header_)
-      h.evlr_offset = evlrs.empty() ? 0 : file_.position();
-    h.evlr_count = static_cast<std::uint32_t>(evlrs.size());
+    const std::size_t evlrs = list_evlrs(plan_.tail).size();
+    if (evlrs != 0 || h.evlr_count != 0 || !keeps_header_)
+      h.evlr_offset = evlrs == 0 ? 0 : file_.position();
+    h.evlr_count = static_cast<std::uint32_t>(evlrs);
     return file_.append(plan_.tail);
   }
 
@@ -240,7 +244,7 @@ Result<void> check_las(const std::string& path, const WriteOptions& options) {
   return {};
 }
 
-Result<std::unique_ptr<Writer>> create_las(const std::string& path, const WriteOptions& options) {
+Result<std::unique_ptr<Writer>> create_las(const std::string& path, WriteOptions options) {
   PSS_TRY(check_options(options));
   PSS_ASSIGN(LasPlan plan, plan_las(path, options));
   PSS_ASSIGN(OutputFile file, OutputFile::create(path, options.rules));

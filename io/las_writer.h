@@ -15,7 +15,7 @@ namespace pss {
 /// point format and version rise only where an attribute or the count needs it, which notes() says.
 /// Errors: kUsage for a scale or offset that is no grid; kBadInput where the attributes do not fit;
 ///         kFailed where the file cannot be created.
-Result<std::unique_ptr<Writer>> create_las(const std::string& path, const WriteOptions& options);
+Result<std::unique_ptr<Writer>> create_las(const std::string& path, WriteOptions options);
 
 /// The errors of create_las() but kFailed, without a file.
 Result<void> check_las(const std::string& path, const WriteOptions& options);

@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "io/file.h"
 #include "io/las_header.h"
@@ -70,12 +71,16 @@ Error unsupported(const std::string& path, const std::string& what) {
 }  // namespace
 
 Result<std::unique_ptr<Reader>> open_reader(const std::string& path) {
+  return open_reader_holding(HeadBytes::kKept, path);
+}
+
+Result<std::unique_ptr<Reader>> open_reader_holding(HeadBytes bytes, const std::string& path) {
   std::string start(kSniffed, '\0');
   PSS_ASSIGN(const File file, File::open(path));
   PSS_ASSIGN(const std::size_t got, file.read_some(0, std::as_writable_bytes(std::span(start))));
   start.resize(got);
   if (start.empty()) return unsupported(path, "an empty file");
-  if (is_las(std::as_bytes(std::span(start)))) return open_las(path);
+  if (is_las(std::as_bytes(std::span(start)))) return open_las_holding(bytes, path);
   if (start.starts_with("ply\n") || start.starts_with("ply\r")) return open_ply(path);
   for (const Signature& signature : kUnsupported)
     if (start.starts_with(signature.start)) return unsupported(path, signature.format);
@@ -112,11 +117,10 @@ Result<void> check_writable(const std::string& path, const WriteOptions& options
   return {};
 }
 
-Result<std::unique_ptr<Writer>> create_writer(const std::string& path,
-                                              const WriteOptions& options) {
+Result<std::unique_ptr<Writer>> create_writer(const std::string& path, WriteOptions options) {
   switch (options.format) {
     case Format::kLas:
-      return create_las(path, options);
+      return create_las(path, std::move(options));
     case Format::kPly:
       return create_ply(path, options);
     case Format::kText:

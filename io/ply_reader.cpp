@@ -49,6 +49,7 @@ CloudHeader cloud_header(const std::string& path, const PlyHeader& header, std::
   cloud.format = Format::kPly;
   cloud.count = header.elements[vertex].count;
   head.resize(static_cast<std::size_t>(header.size));
+  cloud.carry_size = head.size();
   cloud.carry = {.format = Format::kPly, .head = std::move(head), .tail = {}};
   cloud.warnings = warnings_of(header, vertex);
   return cloud;

@@ -36,6 +36,7 @@ struct CloudHeader {
   std::optional<WorldBox> bounds;
   Schema schema;
   Carry carry;
+  std::uint64_t carry_size = 0;  ///< bytes of `carry`, also where they were left in the file
   std::string crs;  ///< two files with different non-empty texts here do not go together
   std::vector<std::string> warnings;  ///< what was odd and read all the same
 };

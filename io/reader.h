@@ -36,9 +36,17 @@ class Reader {
   virtual Result<void> seek(std::uint64_t record) = 0;
 };
 
+/// Whether a reader holds the bytes that another file would carry on: of the first of many inputs
+/// they are wanted, of the others they would only add up.
+enum class HeadBytes : std::uint8_t { kKept, kLeft };
+
 /// Opens a file by its content, not its name.
 ///
 /// Errors: kFailed where it cannot be opened, kBadInput where it is of no supported format.
 Result<std::unique_ptr<Reader>> open_reader(const std::string& path);
+
+/// The same. With kLeft the header's `carry` may be empty, and opening takes little memory, however
+/// large the file's head is; `carry_size` tells what it would hold.
+Result<std::unique_ptr<Reader>> open_reader_holding(HeadBytes bytes, const std::string& path);
 
 }  // namespace pss

@@ -26,7 +26,7 @@ Result<void> ReaderOnDemand::seek(std::uint64_t record) {
 
 Result<void> ReaderOnDemand::open() {
   if (reader_) return {};
-  PSS_ASSIGN(reader_, open_watched(record_, header_.count));
+  PSS_ASSIGN(reader_, open_watched(record_, HeadBytes::kLeft, header_.count));
   const CloudHeader& now = reader_->header();
   if (now.schema == header_.schema && now.grid == header_.grid && now.count == header_.count)
     return {};
@@ -37,18 +37,23 @@ Result<void> ReaderOnDemand::open() {
                                            header_.path)};
 }
 
-Result<std::vector<std::unique_ptr<Reader>>> open_on_demand(std::span<const InputRecord> records,
-                                                            Format carried) {
-  std::vector<std::unique_ptr<Reader>> readers;
-  bool found = false;
+Result<OnDemand> open_on_demand(std::span<const InputRecord> records, Format carried) {
+  OnDemand opened;
+  std::string crs;
   for (const InputRecord& record : records) {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record));
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader,
+               open_watched(record, opened.carry ? HeadBytes::kLeft : HeadBytes::kKept));
     CloudHeader header = reader->header();
-    if (found) header.carry = {};
-    found = found || (header.carry.format == carried && !header.carry.head.empty());
-    readers.push_back(std::make_unique<ReaderOnDemand>(std::move(header), record));
+    if (!opened.carry && header.carry.format == carried && !header.carry.head.empty())
+      opened.carry = std::move(header.carry);
+    header.carry = {};
+    if (crs.empty())
+      crs = header.crs;
+    else if (header.crs == crs)
+      header.crs.clear();
+    opened.readers.push_back(std::make_unique<ReaderOnDemand>(std::move(header), record));
   }
-  return readers;
+  return opened;
 }
 
 }  // namespace pss

@@ -2,6 +2,7 @@
 // Readers whose files are open only while they are read, so that any number of inputs goes.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -32,9 +33,15 @@ class ReaderOnDemand : public Reader {
   bool ended_ = false;
 };
 
+/// What is kept of many files that are to be read.
+struct OnDemand {
+  std::vector<std::unique_ptr<Reader>> readers;
+  std::optional<Carry> carry;  ///< of the first file of the format that was asked for
+};
+
 /// Readers of the files with these records. What a header carries to a file of the same format is
-/// kept of the first file of the format `carried` alone: only that is used, and thousands add up.
-Result<std::vector<std::unique_ptr<Reader>>> open_on_demand(std::span<const InputRecord> records,
-                                                            Format carried);
+/// kept of the first file of the format `carried` alone, and of equal coordinate systems the first:
+/// only those are used, and thousands add up.
+Result<OnDemand> open_on_demand(std::span<const InputRecord> records, Format carried);
 
 }  // namespace pss

@@ -45,6 +45,7 @@ TextReader::TextReader(LineSource lines, TextStart start)
   header_.format = Format::kText;
   header_.count = start_.count;
   header_.carry = {.format = Format::kText, .head = pack(layout), .tail = {}};
+  header_.carry_size = header_.carry.head.size();
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     axes_.push_back(layout.axis(i));
     if (!axes_.back()) header_.schema.add({layout.columns[i], Type::kFloat64, 1, 1, 0, {}});

@@ -54,9 +54,9 @@ class WatchedReader : public Reader {
 
 }  // namespace
 
-Result<std::unique_ptr<Reader>> open_watched(const InputRecord& expected,
+Result<std::unique_ptr<Reader>> open_watched(const InputRecord& expected, HeadBytes bytes,
                                              std::optional<std::uint64_t> count) {
-  auto reader = open_reader(expected.path);
+  auto reader = open_reader_holding(bytes, expected.path);
   PSS_TRY(check_unchanged(expected));  // first: what was read of a changed file means nothing
   if (!reader) return std::move(reader).error();
   if (!count) count = (*reader)->header().count;
