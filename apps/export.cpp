@@ -9,6 +9,7 @@
 #include "apps/progress.h"
 #include "core/parallel.h"
 #include "io/inputs.h"
+#include "stream/input_memory.h"
 #include "stream/store.h"
 
 namespace pss {
@@ -39,6 +40,7 @@ class Export : public Command {
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
+    PSS_ASSIGN(const Reservation header, reserve_header(store_, budget));
     PSS_ASSIGN(const Store store, Store::open(store_));
     const ExportOptions options{.scale = grid_.scale.steps,
                                 .scale_auto = grid_.scale.automatic,

@@ -175,8 +175,8 @@ Result<std::uint64_t> LimitOptions::limit() const {
   if (given >= least) return given;
   return Error{Fault::kMemoryLimit,
                fmt::format("--memory-limit: found {} bytes, expected at least {} bytes ({} MiB) "
-                           "for the program and its threads",
-                           given, least, (least + (1u << 20) - 1) >> 20)};
+                           "for the program and its threads; use --memory-limit {}M or more",
+                           given, least, least >> 20, least >> 20)};
 }
 
 void ReportOptions::declare_progress(Arguments& arguments) {

@@ -112,7 +112,7 @@ class Synth : public Command {
 
   Result<void> measure_file(Progress& progress) const {
     PSS_ASSIGN(const InputRecord record, settled_fingerprint(measured_));
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record));
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record, HeadBytes::kLeft));
     PSS_ASSIGN(const Measurement measurement, measure(*reader, options_, progress));
     return print_data(json_ ? measurement_json(measurement, options_) + "\n"
                             : measurement_table(measurement, options_));

@@ -14,6 +14,8 @@
 #include "io/fingerprint.h"
 #include "io/inputs.h"
 #include "stream/ingest.h"
+#include "stream/ingest_memory.h"
+#include "stream/input_memory.h"
 #include "stream/job.h"
 
 namespace pss {
@@ -96,7 +98,8 @@ class Tile : public Command {
                                             places.work_directory(), places.overwrite, inputs_}));
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
-    PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget));
+    PSS_TRY(check_places(places));
+    PSS_ASSIGN(const Reservation held, reserve_inputs(job_.inputs, least_memory(), budget));
     PSS_ASSIGN(JobRecord record, record_of(job_));
     PSS_ASSIGN(Job started, Job::enter(places, std::move(record), progress));
     if (started.complete()) {
@@ -110,6 +113,13 @@ class Tile : public Command {
   bool resumable() const override { return true; }
 
  private:
+  LeastMemory least_memory() const {
+    return [this](StoreHeader header, std::uint64_t points) {
+      header.tile_points = job_.ingest.tile_points;
+      return least_ingest_memory(header, points);
+    };
+  }
+
   Result<IngestSummary> build(Job& started, MemoryBudget& budget, Progress& progress) {
     const WorkDirectory& work = started.work();
     PSS_ASSIGN(const IngestPlan plan, plan_ingest(started.record().inputs, job_.ingest, progress));

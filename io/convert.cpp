@@ -171,28 +171,6 @@ Result<ConvertSummary> copy_all(Readers readers, std::optional<Carry> carry,
   return summary;
 }
 
-/// What convert() keeps of its inputs: there may be thousands.
-struct Opened {
-  std::vector<std::unique_ptr<Reader>> readers;
-  std::optional<Carry> carry;  ///< of the first input of the output's format
-  std::string crs;             ///< the first that is named
-
-  Result<void> add(const std::string& input, Format format) {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader,
-               open_reader_holding(carry ? HeadBytes::kLeft : HeadBytes::kKept, input));
-    CloudHeader header = reader->header();
-    if (!carry && header.carry.format == format && !header.carry.head.empty())
-      carry = std::move(header.carry);
-    header.carry = {};
-    if (crs.empty())
-      crs = header.crs;
-    else if (header.crs == crs)
-      header.crs.clear();
-    readers.push_back(std::make_unique<ReaderOnDemand>(std::move(header)));
-    return {};
-  }
-};
-
 }  // namespace
 
 Result<ConvertSummary> copy_points(Readers readers, const std::string& output,

@@ -152,7 +152,8 @@ class Planner {
 
   /// The grid that the writer makes of what is known.
   Result<Lattice> planned_grid() const {
-    PSS_ASSIGN(const LasPlan plan, plan_las(output_, write_));
+    WriteOptions copy = write_;  // whose carried header is taken
+    PSS_ASSIGN(const LasPlan plan, plan_las(output_, copy));
     return plan.header.grid();
   }
 

@@ -178,8 +178,17 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
 std::string replacement_of(const std::string& path) { return path + ".new"; }
 
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes) {
+  return replace_file(path, {bytes});
+}
+
+Result<void> replace_file(const std::string& path,
+                          std::initializer_list<std::span<const std::byte>> pieces) {
   PSS_ASSIGN(File file, File::create_anew(replacement_of(path)));
-  PSS_TRY(file.write(0, bytes));
+  std::uint64_t size = 0;
+  for (const std::span<const std::byte> piece : pieces) {
+    PSS_TRY(file.write(size, piece));
+    size += piece.size();
+  }
   PSS_TRY(file.sync());
   return rename_file(file.path(), path);
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -113,6 +114,9 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
 /// Writes a whole small file in a folder of pss's own: a new one beside it, synced, then renamed
 /// over it.
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes);
+/// The same of bytes that lie in several places.
+Result<void> replace_file(const std::string& path,
+                          std::initializer_list<std::span<const std::byte>> pieces);
 /// The name of that new one until then.
 std::string replacement_of(const std::string& path);
 

@@ -238,7 +238,7 @@ Result<void> check_options(const WriteOptions& options) {
 
 }  // namespace
 
-Result<void> check_las(const std::string& path, const WriteOptions& options) {
+Result<void> check_las(const std::string& path, WriteOptions options) {
   PSS_TRY(check_options(options));
   PSS_TRY(plan_las(path, options));
   return {};

@@ -18,6 +18,6 @@ namespace pss {
 Result<std::unique_ptr<Writer>> create_las(const std::string& path, WriteOptions options);
 
 /// The errors of create_las() but kFailed, without a file.
-Result<void> check_las(const std::string& path, const WriteOptions& options);
+Result<void> check_las(const std::string& path, WriteOptions options);
 
 }  // namespace pss

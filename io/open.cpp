@@ -110,8 +110,8 @@ Result<void> check_grid_options(const std::string& path, std::optional<Format> f
                            path, scale ? "--scale" : "--offset")};
 }
 
-Result<void> check_writable(const std::string& path, const WriteOptions& options) {
-  if (options.format == Format::kLas) PSS_TRY(check_las(path, options));
+Result<void> check_writable(const std::string& path, WriteOptions options) {
+  if (options.format == Format::kLas) return check_las(path, std::move(options));
   if (options.format == Format::kPly) PSS_TRY(plan_ply(path, options));
   if (options.format == Format::kText) PSS_TRY(plan_text(path, options));
   return {};

@@ -16,7 +16,8 @@ namespace pss {
 /// fails; and the points read are counted. `count` is how many there must be, by default as many
 /// as the header promises, if it does.
 ///
-/// Errors: those of open_reader_holding() and of its readers; kFailed where the file changed meanwhile.
+/// Errors: those of open_reader_holding() and of its readers; kFailed where the file changed
+/// meanwhile.
 Result<std::unique_ptr<Reader>> open_watched(const InputRecord& expected, HeadBytes bytes,
                                              std::optional<std::uint64_t> count = {});
 

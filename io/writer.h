@@ -61,7 +61,7 @@ Result<void> check_grid_options(const std::string& path, std::optional<Format> f
 ///
 /// Errors: kUsage for a scale or offset that is no grid; kBadInput for more attributes than the
 ///         format can hold.
-Result<void> check_writable(const std::string& path, const WriteOptions& options);
+Result<void> check_writable(const std::string& path, WriteOptions options);
 
 /// Cost: the carried header is moved, not copied, from options that are.
 Result<std::unique_ptr<Writer>> create_writer(const std::string& path, WriteOptions options);

@@ -104,6 +104,10 @@ std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bo
   return grid;
 }
 
+std::uint64_t export_memory(std::size_t row_size, std::uint64_t points) {
+  return 4 * std::min<std::uint64_t>(points, kBlockPoints) * (64 + 2 * row_size);
+}
+
 Result<ExportSummary> export_store(const Store& store, const std::string& output,
                                    const ExportOptions& options, MemoryBudget& budget,
                                    Monitor& monitor) {
@@ -111,13 +115,10 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
     return Error{Fault::kBadInput,
                  fmt::format("{}: the store is not complete; run the command that makes it again",
                              store.path())};
-  const auto memory =
-      budget.reserve(4 * kBlockPoints * (64 + 2 * store.header().schema.row_size()));
-  if (!memory)
-    return Error{
-        Fault::kMemoryLimit,
-        fmt::format("{}: blocks of rows of {} bytes do not fit; use a larger --memory-limit",
-                    store.path(), store.header().schema.row_size())};
+  const std::size_t row = store.header().schema.row_size();
+  PSS_ASSIGN(const Reservation memory,
+             budget.take(export_memory(row, store.points()),
+                         fmt::format("{}: writing rows of {} bytes", store.path(), row)));
   PSS_TRY(check_output(std::array{store.path()}, output));
   PSS_ASSIGN(const Format format, format_for(output));
   PSS_TRY(check_grid_options(output, format, options.scale || options.scale_auto,

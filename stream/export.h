@@ -48,6 +48,9 @@ Result<std::string> check_export(
     const Store& store, double margin, Format format, const ExportOptions& options,
     Monitor& monitor, const char* advice = "make the store without such points, by pss tile with");
 
+/// What export_store() takes of the limit, beside the header.
+std::uint64_t export_memory(std::size_t row_size, std::uint64_t points);
+
 /// Writes the rows of a complete store in order.
 ///
 /// Errors: kBadInput for a damaged or incomplete store, or a place that the format cannot hold;

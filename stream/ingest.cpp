@@ -80,10 +80,7 @@ class Ingest {
   }
 
   Result<Reservation> reserve(std::uint64_t bytes) {
-    if (auto reservation = budget_.reserve(bytes)) return *std::move(reservation);
-    return Error{Fault::kMemoryLimit,
-                 fmt::format("sorting needs {} bytes, {} are left of the memory limit", bytes,
-                             budget_.available())};
+    return budget_.take(bytes, "sorting the input");
   }
 
   Result<void> check_room() {

@@ -24,4 +24,7 @@ struct IngestMemory {
 Result<IngestMemory> divide_memory(const StoreHeader& header, std::uint64_t points,
                                    const MemoryBudget& budget);
 
+/// What must be left of a limit for divide_memory() to succeed.
+std::uint64_t least_ingest_memory(const StoreHeader& header, std::uint64_t points);
+
 }  // namespace pss

@@ -40,7 +40,7 @@ InputStream::InputStream(const IngestPlan& plan, bool source_column, const Curso
 }
 
 Result<void> InputStream::open_input() {
-  PSS_ASSIGN(reader_, open_watched(record(), plan_.counts[cursor_.input]));
+  PSS_ASSIGN(reader_, open_watched(record(), HeadBytes::kLeft, plan_.counts[cursor_.input]));
   mapper_.emplace(reader_->header().schema, plan_.header.schema);
   placement_.emplace(reader_->header().grid, plan_.header.lattice);
   batches_.assign(slots_in_order(), {});

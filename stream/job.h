@@ -37,12 +37,6 @@ struct JobPlaces {
 /// Errors: kUsage; those of check_work_directory().
 Result<void> check_places(const JobPlaces& places);
 
-/// Takes what a job holds of its inputs' names, its record in JSON among it, for as long as it
-/// runs.
-///
-/// Errors: kMemoryLimit, with the limit that would do for them.
-Result<Reservation> reserve_names(const std::vector<std::string>& inputs, MemoryBudget& budget);
-
 /// A job that runs: it has the locks on OUTPUT and on its work directory.
 class Job {
  public:

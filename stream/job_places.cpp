@@ -1,4 +1,4 @@
-// What is refused of a job's places, and what their names take, before the job begins.
+// check_places() of stream/job.h: what is refused of a job's places before it begins.
 
 #include <fmt/format.h>
 
@@ -8,11 +8,6 @@
 
 namespace pss {
 namespace {
-
-/// Of an input, as a name, a fingerprint, what is kept of its header, and JSON; and of its path, so
-/// many copies. Measured: 2.4 KB for a path of 110 bytes.
-constexpr std::uint64_t kInputBytes = 1600;
-constexpr std::uint64_t kPathCopies = 8;
 
 /// A work directory within a store, or within what is to become the output, would be part of it.
 Result<void> check_outside(const std::string& work_dir, const std::string& place) {
@@ -52,17 +47,6 @@ Result<void> check_places(const JobPlaces& places) {
                     "to; use one on the same disk",
                     work_dir, places.output)};
   return {};
-}
-
-Result<Reservation> reserve_names(const std::vector<std::string>& inputs, MemoryBudget& budget) {
-  std::uint64_t bytes = 0;
-  for (const std::string& input : inputs) bytes += kInputBytes + kPathCopies * input.size();
-  if (auto reservation = budget.reserve(bytes)) return *std::move(reservation);
-  return Error{Fault::kMemoryLimit,
-               fmt::format("the names of {} inputs take {} MiB, {} are left of the memory limit; "
-                           "use --memory-limit {}M or more",
-                           inputs.size(), (bytes >> 20) + 1, budget.available() >> 20,
-                           ((budget.limit() + bytes - budget.available()) >> 20) + 1)};
 }
 
 }  // namespace pss

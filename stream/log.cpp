@@ -28,8 +28,7 @@ struct Head {
   std::uint64_t payload_hash = 0;
 };
 
-void append_record(std::vector<std::byte>& out, std::uint64_t offset, const Head& head,
-                   std::span<const std::byte> payload) {
+void append_head(std::vector<std::byte>& out, std::uint64_t offset, const Head& head) {
   const std::size_t start = out.size();
   ByteWriter writer(out);
   writer.put(head.size);
@@ -37,7 +36,6 @@ void append_record(std::vector<std::byte>& out, std::uint64_t offset, const Head
   writer.put(head.durable);
   writer.put(head.payload_hash);
   writer.put(hash64(std::span(out).subspan(start, kHashedHead), offset));
-  writer.raw(payload);
 }
 
 /// The head at `offset` of the file, or nothing where the bytes are none.
@@ -150,15 +148,25 @@ Result<std::uint64_t> read_log(const std::string& path, Tail tail, const LogVisi
   return read_records(file, tail, visit);
 }
 
+Result<std::uint64_t> first_record_size(const std::string& path) {
+  PSS_ASSIGN(const File file, File::open(path));
+  std::vector<std::byte> bytes(kName.size() + kHeadSize);
+  PSS_ASSIGN(const std::size_t got, file.read_some(0, bytes));
+  PSS_ASSIGN(const std::uint64_t size, file.size());
+  if (got < bytes.size()) return std::uint64_t{0};
+  const auto head = parse_head(std::span(bytes).subspan(kName.size()), kName.size());
+  return head ? std::min<std::uint64_t>(head->size, size) : 0;
+}
+
 Result<LogWriter> LogWriter::create(const std::string& path, std::uint32_t type,
                                     std::span<const std::byte> payload) {
   PSS_ASSIGN(const Head head, make_head(path, type, 0, payload));
-  std::vector<std::byte> bytes;
-  ByteWriter(bytes).raw(std::as_bytes(std::span(kName)));
-  append_record(bytes, kName.size(), head, payload);
-  PSS_TRY(replace_file(path, bytes));
+  std::vector<std::byte> start;
+  ByteWriter(start).raw(std::as_bytes(std::span(kName)));
+  append_head(start, kName.size(), head);
+  PSS_TRY(replace_file(path, {start, payload}));
   PSS_ASSIGN(File file, File::open_to_write(path));
-  return LogWriter(std::move(file), bytes.size());
+  return LogWriter(std::move(file), start.size() + payload.size());
 }
 
 Result<LogWriter> LogWriter::open(const std::string& path, const LogVisitor& visit) {
@@ -174,7 +182,8 @@ Result<void> LogWriter::append(std::uint32_t type, std::span<const std::byte> pa
   return failure_.guard([&]() -> Result<void> {
     PSS_ASSIGN(const Head head, make_head(file_.path(), type, durable_, payload));
     std::vector<std::byte> bytes;
-    append_record(bytes, size_, head, payload);
+    append_head(bytes, size_, head);
+    ByteWriter(bytes).raw(payload);
     PSS_TRY(file_.write(size_, bytes));
     size_ += bytes.size();
     return {};

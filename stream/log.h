@@ -40,6 +40,9 @@ enum class Tail {
 /// Errors: kBadInput with file and offset where it is damaged or no log, and what `visit` returns.
 Result<std::uint64_t> read_log(const std::string& path, Tail tail, const LogVisitor& visit);
 
+/// Bytes of a log's first record, before it is read; 0 where it has none that is whole.
+Result<std::uint64_t> first_record_size(const std::string& path);
+
 /// Appends records. A failed append or sync is final: later ones give the same error and do
 /// nothing.
 class LogWriter {

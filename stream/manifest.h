@@ -38,6 +38,11 @@ struct StoreHeader {
 
   bool operator==(const StoreHeader&) const = default;
 };
+/// A job has so many headers at once, bytes of them counted as one: the store that is read, the
+/// operator's for the result, and the bytes that are written to the result's log, read from a log,
+/// or made by a writer whose points need another LAS head.
+inline constexpr std::uint64_t kHeaderCopies = 3;
+
 /// What a header's names and carried bytes hold, with the copies that a job has of them.
 std::uint64_t memory_of(const StoreHeader& header);
 
@@ -62,6 +67,10 @@ enum class RecordType : std::uint32_t { kHeader = 1, kTile = 2, kEnd = 3 };
 inline constexpr std::uint32_t kStoreVersion = 1;
 
 std::vector<std::byte> encode_header(const StoreHeader& header);
+/// Whether these bytes are those of encode_header(header). Allocates nothing.
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload);
+/// Errors: kBadInput where a header's record is of another version of the format.
+Result<void> check_version(const std::string& path, std::span<const std::byte> payload);
 /// The header of a record at `offset` of the manifest `path`. Errors: kBadInput.
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload);

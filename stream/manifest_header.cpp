@@ -1,7 +1,9 @@
 // The bytes of a manifest's first record.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "stream/bytes.h"
 #include "stream/manifest.h"
@@ -9,9 +11,31 @@
 namespace pss {
 namespace {
 
-constexpr std::uint64_t kHeaderCopies = 4;
+/// What a string holds beside its bytes, rounding by the allocator among it.
+constexpr std::uint64_t kStringBytes = 24;
 
-void put(ByteWriter& w, const Lattice& lattice) {
+/// Values as ByteWriter writes them; `Take` gets the bytes, to keep, count or compare them.
+template <class Take>
+class Encoder {
+ public:
+  explicit Encoder(Take take) : take_(std::move(take)) {}
+
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void put(T value) { take_(std::as_bytes(std::span(&value, 1))); }
+
+  void bytes(std::span<const std::byte> bytes) {
+    put(static_cast<std::uint32_t>(bytes.size()));
+    take_(bytes);
+  }
+  void text(std::string_view text) { bytes(std::as_bytes(std::span(text))); }
+
+ private:
+  Take take_;
+};
+
+template <class Writer>
+void put(Writer& w, const Lattice& lattice) {
   for (const double s : lattice.scale) w.put(s);
   for (const double o : lattice.origin) w.put(o);
 }
@@ -27,7 +51,8 @@ Lattice get_lattice(ByteReader& r) {
   return lattice;
 }
 
-void put(ByteWriter& w, const Field& field) {
+template <class Writer>
+void put(Writer& w, const Field& field) {
   w.text(field.name);
   w.put(static_cast<std::uint8_t>(field.type));
   w.put(field.count);
@@ -63,7 +88,8 @@ Field get_field(ByteReader& r) {
   return field;
 }
 
-void put(ByteWriter& w, const Schema& schema) {
+template <class Writer>
+void put(Writer& w, const Schema& schema) {
   w.put(static_cast<std::uint32_t>(schema.fields().size()));
   for (const Field& field : schema.fields()) put(w, field);
 }
@@ -80,7 +106,8 @@ Schema get_schema(ByteReader& r) {
   return r.ok() ? Schema(std::move(fields)) : Schema();
 }
 
-void put(ByteWriter& w, const Carry& carry) {
+template <class Writer>
+void put(Writer& w, const Carry& carry) {
   w.put(static_cast<std::uint8_t>(carry.format));
   w.bytes(carry.head);
   w.bytes(carry.tail);
@@ -105,7 +132,8 @@ Carry get_carry(ByteReader& r) {
   return carry;
 }
 
-void put(ByteWriter& w, const InputRecord& input) {
+template <class Writer>
+void put(Writer& w, const InputRecord& input) {
   w.text(input.path);
   w.put(input.size);
   w.put(input.modified_ns);
@@ -134,28 +162,21 @@ StoreHeader get_header(ByteReader& r) {
   h.source_format = get_format(r);
   h.crs = r.text();
   const std::size_t inputs = r.count(28);
+  h.inputs.reserve(inputs);
   for (std::size_t i = 0; i < inputs && r.ok(); ++i) h.inputs.push_back(get_input(r));
   h.parameters = r.text();
   return h;
 }
 
-}  // namespace
-
-std::uint64_t memory_of(const StoreHeader& header) {
-  std::uint64_t bytes = header.carry.head.size() + header.carry.tail.size();
-  for (const InputRecord& input : header.inputs) bytes += sizeof(InputRecord) + input.path.size();
-  return kHeaderCopies * bytes;
-}
-
-std::vector<std::byte> encode_header(const StoreHeader& header) {
-  std::vector<std::byte> out;
-  ByteWriter w(out);
+template <class Take>
+void encode(const StoreHeader& header, Take take) {
+  Encoder w(std::move(take));
   w.put(kStoreVersion);
   put(w, header.lattice);
   put(w, header.schema);
   w.put(header.tile_points);
-  w.put<std::uint8_t>(header.ordered);
-  w.put<std::uint8_t>(header.grid.has_value());
+  w.template put<std::uint8_t>(header.ordered);
+  w.template put<std::uint8_t>(header.grid.has_value());
   if (header.grid) put(w, *header.grid);
   put(w, header.carry);
   w.put(static_cast<std::uint8_t>(header.source_format));
@@ -163,18 +184,52 @@ std::vector<std::byte> encode_header(const StoreHeader& header) {
   w.put(static_cast<std::uint32_t>(header.inputs.size()));
   for (const InputRecord& input : header.inputs) put(w, input);
   w.text(header.parameters);
+}
+
+}  // namespace
+
+std::uint64_t memory_of(const StoreHeader& header) {
+  std::uint64_t bytes = header.carry.head.size() + header.carry.tail.size() + header.crs.size() +
+                        header.parameters.size();
+  for (const InputRecord& input : header.inputs)
+    bytes += sizeof(InputRecord) + input.path.size() + kStringBytes;
+  return kHeaderCopies * bytes;
+}
+
+std::vector<std::byte> encode_header(const StoreHeader& header) {
+  using Bytes = std::span<const std::byte>;
+  std::size_t size = 0;
+  encode(header, [&size](Bytes bytes) { size += bytes.size(); });
+  std::vector<std::byte> out;
+  out.reserve(size);  // growing would hold it thrice
+  ByteWriter writer(out);
+  encode(header, [&writer](Bytes bytes) { writer.raw(bytes); });
   return out;
+}
+
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload) {
+  bool equal = true;
+  encode(header, [&](std::span<const std::byte> bytes) {
+    equal = equal && bytes.size() <= payload.size() &&
+            std::ranges::equal(bytes, payload.first(bytes.size()));
+    payload = payload.subspan(equal ? bytes.size() : 0);
+  });
+  return equal && payload.empty();
+}
+
+Result<void> check_version(const std::string& path, std::span<const std::byte> payload) {
+  const auto version = ByteReader(payload).get<std::uint32_t>();
+  if (version == kStoreVersion) return {};
+  return Error{Fault::kBadInput,
+               fmt::format("{}: store format version {} found, this program reads version {}; "
+                           "make the store anew from its inputs",
+                           path, version, kStoreVersion)};
 }
 
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload) {
-  ByteReader reader(payload);
-  const auto version = reader.get<std::uint32_t>();
-  if (version != kStoreVersion)
-    return Error{Fault::kBadInput,
-                 fmt::format("{}: store format version {} found, this program reads version {}; "
-                             "make the store anew from its inputs",
-                             path, version, kStoreVersion)};
+  PSS_TRY(check_version(path, payload));
+  ByteReader reader(payload.subspan(sizeof(kStoreVersion)));
   StoreHeader header = get_header(reader);
   if (!reader.finished())
     return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the header record makes "

@@ -1,5 +1,6 @@
 #include "stream/memory.h"
 
+#include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
 
@@ -68,6 +69,7 @@ void Reservation::shrink_to(std::uint64_t bytes) {
 MemoryBudget::MemoryBudget(std::uint64_t limit, int threads) : limit_(limit) {
   const std::uint64_t own = kProgramBytes + kThreadBytes * static_cast<std::uint64_t>(threads);
   total_ = limit > own ? limit - own : 0;
+  usual_ = minimum_limit(threads) - own;
 }
 
 std::optional<Reservation> MemoryBudget::reserve(std::uint64_t bytes) {
@@ -78,6 +80,21 @@ std::optional<Reservation> MemoryBudget::reserve(std::uint64_t bytes) {
   return Reservation(this, bytes);
 }
 
+Result<Reservation> MemoryBudget::take(std::uint64_t bytes, const std::string& what) {
+  if (auto reservation = reserve(bytes)) return *std::move(reservation);
+  return refusal(what, bytes);
+}
+
+Error MemoryBudget::refusal(const std::string& what, std::uint64_t bytes,
+                            const std::string& or_else) const {
+  const std::uint64_t left = available();
+  return {Fault::kMemoryLimit,
+          fmt::format("{} takes {} MiB of memory, {} MiB are left of the limit; use --memory-limit "
+                      "{}M or more{}",
+                      what, (bytes + kMiB - 1) / kMiB, left / kMiB,
+                      sufficient_mib(limit_, left, bytes), or_else)};
+}
+
 bool MemoryBudget::grow(Reservation& reservation, std::uint64_t bytes) {
   if (bytes <= reservation.bytes_) return true;
   auto more = reserve(bytes - reservation.bytes_);
@@ -86,6 +103,10 @@ bool MemoryBudget::grow(Reservation& reservation, std::uint64_t bytes) {
   reservation.bytes_ = bytes;
   more->budget_ = nullptr;  // it is the other's now
   return true;
+}
+
+std::uint64_t sufficient_mib(std::uint64_t limit, std::uint64_t left, std::uint64_t needed) {
+  return (limit + (needed > left ? needed - left : 0) + kMiB - 1) / kMiB;
 }
 
 std::uint64_t minimum_limit(int threads) {

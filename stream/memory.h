@@ -4,6 +4,9 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <string>
+
+#include "core/result.h"
 
 namespace pss {
 
@@ -43,15 +46,29 @@ class MemoryBudget {
 
   /// Takes `bytes` as a whole or not at all.
   std::optional<Reservation> reserve(std::uint64_t bytes);
+  /// The same, or the refusal().
+  Result<Reservation> take(std::uint64_t bytes, const std::string& what);
   /// Grows a reservation of this budget, or an empty one, to `bytes`, or leaves it as it is.
   bool grow(Reservation& reservation, std::uint64_t bytes);
+
+  /// Says that `what`, which takes `bytes` beside what is held now, does not fit, and the limit
+  /// that does; `or_else` is another way out, as ", or --h".
+  Error refusal(const std::string& what, std::uint64_t bytes,
+                const std::string& or_else = {}) const;
+  /// What the smallest limit leaves for data: work of no unusual size runs in it.
+  std::uint64_t usual() const { return usual_; }
 
  private:
   friend class Reservation;
   std::uint64_t limit_;
+  std::uint64_t usual_;
   std::uint64_t total_;
   std::atomic<std::uint64_t> used_{0};
 };
+
+/// The limit, in MiB, that leaves `needed` bytes where `limit` leaves `left`: what every refusal
+/// names.
+std::uint64_t sufficient_mib(std::uint64_t limit, std::uint64_t left, std::uint64_t needed);
 
 /// The smallest limit that any job runs with.
 std::uint64_t minimum_limit(int threads);

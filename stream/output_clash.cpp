@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "io/inputs.h"
 #include "io/reader.h"
 #include "io/writer.h"
@@ -15,7 +17,7 @@ namespace {
 Result<std::string> owner_of(const SmoothJob& job, const std::string& attribute) {
   for (const std::string& input : job.inputs) {
     if (is_store_input(job)) return input;
-    PSS_ASSIGN(const auto reader, open_reader(input));
+    PSS_ASSIGN(const auto reader, open_reader_holding(HeadBytes::kLeft, input));
     if (reader->header().schema.dimension(attribute)) return input;
   }
   return job.inputs.front();
@@ -34,27 +36,27 @@ Result<void> check_names(const SmoothJob& job, const Schema& source) {
 
 /// Whether a file of the output's format can hold all attributes, as far as that is known before
 /// there are points.
-Result<void> check_file(const SmoothJob& job, const StoreHeader& result) {
+Result<void> check_file(const SmoothJob& job, const StoreHeader& source, const Schema& result) {
   if (is_store_name(job.output)) return {};
   WriteOptions options;
   PSS_ASSIGN(options.format, format_for(job.output));
-  options.schema = result.schema;
-  options.grid = result.lattice;
-  options.carry = result.carry;
-  return check_writable(job.output, options);
+  options.schema = result;
+  options.grid = source.lattice;
+  options.carry = source.carry;
+  return check_writable(job.output, std::move(options));
 }
 
 }  // namespace
 
 Result<void> check_attributes(const SmoothJob& job, const StoreHeader& source) {
   PSS_TRY(check_names(job, source.schema));
-  StoreHeader result = source;
-  PSS_TRY(OutputColumns::add_to(result.schema, job.options.outputs));
-  if (result.schema.row_size() <= kMaxRowSize) return check_file(job, result);
+  Schema result = source.schema;
+  PSS_TRY(OutputColumns::add_to(result, job.options.outputs));
+  if (result.row_size() <= kMaxRowSize) return check_file(job, source, result);
   return Error{Fault::kBadInput,
                fmt::format("{}: found {} bytes of attributes a point, with --outputs, expected at "
                            "most {}; leave some of --outputs out",
-                           job.inputs.front(), result.schema.row_size(), kMaxRowSize)};
+                           job.inputs.front(), result.row_size(), kMaxRowSize)};
 }
 
 }  // namespace pss

@@ -81,7 +81,7 @@ Result<bool> too_dense(const PartLoader& loader, const Operator& op, const PartP
   needed = std::max(needed, op.bytes(densest_part(plan)));
   PSS_ASSIGN(const std::string radius, or_radius(loader, op, room));
   const auto limit_for = [&](std::uint64_t part) {
-    return ((room.limit + part - room.bytes) >> 20) + 1;
+    return sufficient_mib(room.limit, room.bytes, part);
   };
   return Error{Fault::kMemoryLimit,
                fmt::format("{}: near ({:.9g}, {:.9g}, {:.9g}) up to {} points lie within {:.6g} of "
@@ -172,10 +172,12 @@ Result<bool> PartSource::take_memory(const PartPlan& plan, Reservation& memory) 
     queue_.push_halves(plan.range);
     return false;
   }
+  // What else is held is not known here; all that there was before, and this, is enough.
   return Error{Fault::kMemoryLimit,
-               fmt::format("{}: a part of {} points does not fit beside what else is held; use a "
-                           "larger --memory-limit",
-                           loader_.source().path(), plan.own_points)};
+               fmt::format("{}: a part of {} points does not fit beside what else is held; use "
+                           "--memory-limit {}M or more",
+                           loader_.source().path(), plan.own_points,
+                           sufficient_mib(room_.limit, 0, op_.bytes(plan)))};
 }
 
 }  // namespace pss

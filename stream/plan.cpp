@@ -63,7 +63,9 @@ class Planner {
                       fmt::join(options_.drop_outside->max, ","));
     for (const InputRecord& record : plan_.header.inputs) {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while reading headers"};
-      PSS_ASSIGN(const auto reader, open_watched(record));
+      // The store keeps the first one's head; of the others only what points are read by is used.
+      PSS_ASSIGN(const auto reader,
+                 open_watched(record, inputs_.empty() ? HeadBytes::kKept : HeadBytes::kLeft));
       PSS_TRY(check_crs(reader->header()));
       take(record, reader->header());
     }

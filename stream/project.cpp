@@ -58,6 +58,7 @@ ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& p
       source_ordered_(source.header().ordered),
       exclusion_(Schema()),
       header_(source.header()) {
+  if (!parameters.record.empty()) header_.parameters = parameters.record;
   if (!parameters.only_normals) choose_lattice(source);
 }
 

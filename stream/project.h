@@ -28,6 +28,7 @@ struct ProjectParameters {
   std::optional<Lattice> grid;  ///< the grid of the output file, whose int32 range limits places
   /// Halo width by hand. Where it is less than a support needs, that support is narrowed.
   std::optional<double> buffer;
+  std::string record;  ///< JSON for the result's header: what made it; the source's where empty
 };
 
 /// The support itself where its reach is at most `width`, otherwise one that reaches just so far.

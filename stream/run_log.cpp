@@ -83,27 +83,27 @@ Result<void> remove_runs(const std::string& folder) {
 Result<RunLog> RunLog::open(const std::string& folder, const StoreHeader& header) {
   RunLog log;
   log.folder_ = folder;
-  const auto plan = encode_header(header);
   PSS_TRY(make_directories(directory_of(folder)));
   PSS_TRY(make_own_directory(folder));
   if (!exists(log_path(folder))) {
     PSS_ASSIGN(LogWriter writer,
-               LogWriter::create(log_path(folder), static_cast<std::uint32_t>(Kind::kPlan), plan));
+               LogWriter::create(log_path(folder), static_cast<std::uint32_t>(Kind::kPlan),
+                                 encode_header(header)));
     log.log_ = std::move(writer);
     return log;
   }
   PSS_ASSIGN(LogWriter writer, LogWriter::open(log_path(folder), [&](const LogRecord& r) {
-               return log.visit(r, plan);
+               return log.visit(r, header);
              }));
   log.log_ = std::move(writer);
   PSS_TRY(log.remove_merged());
   return log;
 }
 
-Result<void> RunLog::visit(const LogRecord& record, std::span<const std::byte> plan) {
+Result<void> RunLog::visit(const LogRecord& record, const StoreHeader& header) {
   const auto kind = static_cast<Kind>(record.type);
   if (kind == Kind::kPlan)
-    return std::ranges::equal(record.payload, plan) ? Result<void>() : other_plan(folder_);
+    return is_encoded(header, record.payload) ? Result<void>() : other_plan(folder_);
   ByteReader reader(record.payload);
   const RunInfo run = get_run(reader);
   if (kind == Kind::kRun) {

@@ -57,7 +57,7 @@ class RunLog {
 
  private:
   RunLog() = default;
-  Result<void> visit(const LogRecord& record, std::span<const std::byte> plan);
+  Result<void> visit(const LogRecord& record, const StoreHeader& header);
   void replace_in_state(std::size_t count, const RunInfo& run);
   Result<void> remove_merged();
   std::string folder_;

@@ -11,6 +11,7 @@
 #include "stream/output_clash.h"
 #include "stream/smooth_job.h"
 #include "stream/smooth_json.h"
+#include "stream/smooth_memory.h"
 #include "stream/smooth_method.h"
 #include "stream/smooth_space.h"
 #include "stream/stopwatch.h"
@@ -26,6 +27,17 @@ Result<void> check_free(const std::string& folder, std::uint64_t present, std::u
                                            folder, free >> 20, needed >> 20, what)};
 }
 
+/// What the stores that a job makes of its sorted input take already.
+Result<std::uint64_t> bytes_present(const WorkDirectory& work) {
+  std::uint64_t present = 0;
+  for (const std::string& path : {work.normals_store(), work.result_store()}) {
+    if (!is_store(path)) continue;
+    PSS_ASSIGN(const Store store, Store::open(path));
+    present += store.bytes_on_disk();
+  }
+  return present;
+}
+
 /// One run of a job, stage by stage, in the order of the members.
 class SmoothRun {
  public:
@@ -35,7 +47,8 @@ class SmoothRun {
   Result<SmoothReport> run() {
     const Stopwatch total;
     PSS_TRY(check_job(job_));
-    PSS_ASSIGN(const Reservation names, reserve_names(job_.inputs, budget_));
+    PSS_TRY(check_places(places_));
+    PSS_ASSIGN(const Reservation inputs, reserve_inputs(job_, budget_));
     PSS_ASSIGN(JobRecord record, job_record(job_));
     PSS_ASSIGN(Job started, Job::enter(places_, std::move(record), monitor_));
     report_.already_complete = started.complete();
@@ -52,11 +65,12 @@ class SmoothRun {
   Result<bool> has_result(const Job& started) const;
   Result<void> compute(const Job& started);
   Result<Store> sorted_input(const Job& started);
+  Result<void> sort_input(const Job& started);
   Result<Reservation> reserve_tables(const Store& store);
   Result<ChosenWidths> choose(const Store& source);
   Result<void> check(const Store& source, const WorkDirectory& work);
   Result<void> check_space(const Store& source, const ProjectOperator& op,
-                           const WorkDirectory& work) const;
+                           const WorkDirectory& work, std::uint64_t present) const;
   Result<void> compute_normals(const Store& source, const WorkDirectory& work);
   Result<void> project(const Store& source, const WorkDirectory& work);
   Result<StoreWriter> run_stage(const char* stage, const Store& source, const ProjectOperator& op,
@@ -100,8 +114,8 @@ Result<bool> SmoothRun::has_result(const Job& started) const {
 
 Result<void> SmoothRun::compute(const Job& started) {
   const WorkDirectory& work = started.work();
-  PSS_ASSIGN(const Store source, sorted_input(started));
-  PSS_ASSIGN(const Reservation tables, reserve_tables(source));
+  PSS_ASSIGN(Store source, sorted_input(started));
+  PSS_ASSIGN(Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
   report_.store_bytes = source.bytes_on_disk();
   report_.widths = widths;
@@ -109,22 +123,18 @@ Result<void> SmoothRun::compute(const Job& started) {
   PSS_TRY(check(source, work));
   if (report_.normals != NormalsFrom::kFirstPass) return project(source, work);
   PSS_TRY(compute_normals(source, work));
-  PSS_ASSIGN(const Store with_normals, Store::open(work.normals_store()));
-  PSS_ASSIGN(const Reservation more_tables, reserve_tables(with_normals));
-  return project(with_normals, work);
+  PSS_ASSIGN(source, Store::open(work.normals_store()));
+  PSS_ASSIGN(tables, reserve_tables(source));
+  return project(source, work);
 }
 
 Result<Reservation> SmoothRun::reserve_tables(const Store& store) {
-  if (auto tables = budget_.reserve(store.memory())) return *std::move(tables);
-  return Error{Fault::kMemoryLimit,
-               fmt::format("the table of {} tiles takes {} MiB; use a larger --memory-limit",
-                           store.tiles().size(), store.memory() >> 20)};
+  return budget_.take(store.table_memory(),
+                      fmt::format("the table of {} tiles", store.tiles().size()));
 }
 
 /// The store that the inputs make, or the one that was given.
 Result<Store> SmoothRun::sorted_input(const Job& started) {
-  const WorkDirectory& work = started.work();
-  const Stopwatch planning;
   if (is_store_input(job_)) {
     PSS_ASSIGN(Store store, Store::open(job_.inputs.front()));
     PSS_TRY(check_unchanged(started.record().inputs));
@@ -136,9 +146,17 @@ Result<Store> SmoothRun::sorted_input(const Job& started) {
     report_.ingest.points_read = report_.ingest.points_stored = store.points();
     return store;
   }
+  PSS_TRY(sort_input(started));  // its plan, and the head in it, is gone before the store has one
+  return Store::open(started.work().input_store());
+}
+
+Result<void> SmoothRun::sort_input(const Job& started) {
+  const WorkDirectory& work = started.work();
+  const Stopwatch planning;
   const IngestOptions options = ingest_options(job_);
   PSS_ASSIGN(const IngestPlan plan, plan_ingest(started.record().inputs, options, monitor_));
   PSS_TRY(check_attributes(job_, plan.header));
+  PSS_TRY(check_least(job_, plan.header, plan.points, budget_));
   report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
   report_.plan_seconds = planning.seconds();
   const Stopwatch sorting;
@@ -147,7 +165,7 @@ Result<Store> SmoothRun::sorted_input(const Job& started) {
              ingest(plan, work.input_store(), work.path(), options, budget_, monitor_));
   report_.ingest_seconds = sorting.seconds();
   report_.ingest_transfer = transferred_since(before);
-  return Store::open(work.input_store());
+  return {};
 }
 
 Result<ChosenWidths> SmoothRun::choose(const Store& source) {
@@ -163,18 +181,18 @@ Result<ChosenWidths> SmoothRun::choose(const Store& source) {
 
 /// Refuses what could not be finished.
 Result<void> SmoothRun::check(const Store& source, const WorkDirectory& work) {
-  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths));
+  PSS_ASSIGN(const std::uint64_t present, bytes_present(work));  // before an operator has a header
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths, identity_));
   PSS_TRY(check_buffer(op, job_.options));
   PSS_ASSIGN(const std::string note, check_output_grid(source, job_, report_.widths, monitor_));
   if (!note.empty()) report_.notes.push_back(note);
-  return check_space(source, op, work);
+  return check_space(source, op, work, present);
 }
 
 /// Runs an operator into a store of the work directory, or goes on with what is there.
 Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
                                          const ProjectOperator& op, const std::string& path) {
-  StoreHeader header = op.result_header();
-  header.parameters = result_parameters(job_, report_.widths, identity_);
+  const StoreHeader& header = op.result_header();
   PSS_ASSIGN(StoreWriter result, is_store(path) ? StoreWriter::resume(path, header)
                                                 : StoreWriter::create(path, header));
   if (result.complete()) return result;  // also where it was stopped while it was finished
@@ -188,7 +206,7 @@ Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
 Result<void> SmoothRun::compute_normals(const Store& source, const WorkDirectory& work) {
   const Stopwatch watch;
   const Transfer before = transferred();
-  PSS_ASSIGN(const ProjectOperator op, normals_operator(source, job_, report_.widths));
+  PSS_ASSIGN(const ProjectOperator op, normals_operator(source, job_, report_.widths, identity_));
   PSS_ASSIGN(StoreWriter result, run_stage("normals", source, op, work.normals_store()));
   report_.normals_seconds = watch.seconds();
   report_.normals_transfer = transferred_since(before);
@@ -198,7 +216,7 @@ Result<void> SmoothRun::compute_normals(const Store& source, const WorkDirectory
 Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) {
   const Stopwatch watch;
   const Transfer before = transferred();
-  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths));
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths, identity_));
   PSS_ASSIGN(StoreWriter result, run_stage("smooth", source, op, work.result_store()));
   report_.smooth_seconds = watch.seconds();
   report_.smooth_transfer = transferred_since(before);
@@ -208,18 +226,12 @@ Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) 
 /// The stores that are still to be written must fit on the work directory's disk, and the output,
 /// uncompressed at worst, on its own, which may be the same.
 Result<void> SmoothRun::check_space(const Store& source, const ProjectOperator& op,
-                                    const WorkDirectory& work) const {
+                                    const WorkDirectory& work, std::uint64_t present) const {
   const SmoothSpace space = smooth_space(job_, report_.normals, source, op);
   const std::string folder = directory_of(job_.output);
   const bool apart = !same_disk(work.path(), folder);
   if (apart)
     PSS_TRY(check_free(folder, 0, space.output, "for the output; write it to another disk"));
-  std::uint64_t present = 0;
-  for (const std::string& path : {work.normals_store(), work.result_store()}) {
-    if (!is_store(path)) continue;
-    PSS_ASSIGN(const Store store, Store::open(path));
-    present += store.bytes_on_disk();
-  }
   return check_free(work.path(), present, space.most_more(!apart),
                     apart ? "for the result; use --work-dir on another disk"
                           : "for the result and the output; use --work-dir on another disk");

@@ -11,6 +11,7 @@
 #include "stream/output_clash.h"
 #include "stream/smooth.h"
 #include "stream/smooth_job.h"
+#include "stream/smooth_memory.h"
 #include "stream/smooth_method.h"
 #include "stream/smooth_space.h"
 
@@ -52,7 +53,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
   estimate.normals = normals_from(source.header().schema, estimate.method);
   PSS_ASSIGN(estimate.widths,
              choose_widths(source, job.options.widths, estimate.method, budget, monitor));
-  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths));
+  PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths, ""));
   PSS_TRY(check_buffer(op, job.options));
   PSS_TRY(check_output_grid(source, job, estimate.widths, monitor));
   PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, op, budget));
@@ -119,6 +120,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
 Result<SmoothEstimate> estimate_smooth(const SmoothJob& job, MemoryBudget& budget,
                                        Monitor& monitor) {
   PSS_TRY(check_job(job));
+  PSS_ASSIGN(const Reservation inputs, reserve_inputs(job, budget));
   return is_store_input(job) ? from_store(job, budget, monitor) : from_files(job, budget, monitor);
 }
 

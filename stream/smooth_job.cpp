@@ -9,6 +9,7 @@
 #include "io/fingerprint.h"
 #include "io/inputs.h"
 #include "io/writer.h"
+#include "stream/smooth_json.h"
 #include "stream/smooth_method.h"
 
 namespace pss {
@@ -63,7 +64,8 @@ Result<void> check_buffer_width(const SmoothOptions& options, double needed) {
 }
 
 /// How wide every pass of the job looks.
-ProjectParameters parameters_for(const SmoothJob& job, const ChosenWidths& widths) {
+ProjectParameters parameters_for(const SmoothJob& job, const ChosenWidths& widths,
+                                 const std::string& identity) {
   ProjectParameters parameters;
   parameters.support = {widths.h, widths.radius};
   parameters.nearest = widths.nearest;
@@ -71,6 +73,7 @@ ProjectParameters parameters_for(const SmoothJob& job, const ChosenWidths& width
   parameters.cap = widths.cap;
   parameters.first_guess = widths.typical;
   parameters.buffer = job.options.buffer;
+  parameters.record = result_parameters(job, widths, identity);
   return parameters;
 }
 
@@ -182,8 +185,8 @@ Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
 }
 
 Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
-                                         const ChosenWidths& widths) {
-  ProjectParameters parameters = parameters_for(job, widths);
+                                         const ChosenWidths& widths, const std::string& identity) {
+  ProjectParameters parameters = parameters_for(job, widths, identity);
   parameters.method = method_of(job.options);
   parameters.outputs = job.options.outputs;
   if (!is_store_name(job.output)) {
@@ -195,8 +198,8 @@ Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& j
 }
 
 Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
-                                         const ChosenWidths& widths) {
-  ProjectParameters parameters = parameters_for(job, widths);
+                                         const ChosenWidths& widths, const std::string& identity) {
+  ProjectParameters parameters = parameters_for(job, widths, identity);
   parameters.method = normals_method(method_of(job.options));
   parameters.only_normals = true;
   return ProjectOperator::create(source, parameters);

@@ -128,8 +128,8 @@ std::uint64_t Store::bytes_on_disk() const {
   return bytes;
 }
 
-std::uint64_t Store::memory() const {
-  std::uint64_t bytes = memory_of(header()) + manifest_.tiles.capacity() * sizeof(TileInfo);
+std::uint64_t Store::table_memory() const {
+  std::uint64_t bytes = manifest_.tiles.capacity() * sizeof(TileInfo);
   for (const TileInfo& tile : manifest_.tiles) bytes += tile.note.capacity();
   return bytes;
 }

@@ -36,8 +36,8 @@ class Store {
   bool complete() const { return manifest_.complete; }
   const std::string& summary() const { return manifest_.summary; }
   std::uint64_t bytes_on_disk() const;
-  /// What header and tile table hold in memory.
-  std::uint64_t memory() const;
+  /// What the tile table holds in memory; memory_of() tells that of the header.
+  std::uint64_t table_memory() const;
 
   Result<std::vector<BlockInfo>> read_index(std::size_t tile) const;
   /// Reads a tile's bytes against their checksums, decoding none. Errors: kBadInput.

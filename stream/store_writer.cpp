@@ -26,6 +26,23 @@ std::uint64_t count_rows(std::span<const BlockInfo> blocks) {
   return rows;
 }
 
+/// What tiles are checked by. The carried bytes are in the log and not held a second time.
+StoreHeader needed_of(const StoreHeader& header) {
+  StoreHeader needed;
+  needed.lattice = header.lattice;
+  needed.schema = header.schema;
+  needed.tile_points = header.tile_points;
+  needed.ordered = header.ordered;
+  return needed;
+}
+
+Error other_inputs(const std::string& path) {
+  return {Fault::kFailed,
+          fmt::format("{}: was made from other inputs or parameters; remove it or choose another "
+                      "name",
+                      path)};
+}
+
 }  // namespace
 
 Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHeader& header,
@@ -36,7 +53,7 @@ Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHead
   StoreWriter writer;
   writer.path_ = path;
   writer.segment_limit_ = segment_size;
-  writer.manifest_.header = header;
+  writer.manifest_.header = needed_of(header);
   writer.manifest_.has_header = true;
   PSS_ASSIGN(LogWriter log, LogWriter::create(open_manifest_path(path),
                                               static_cast<std::uint32_t>(RecordType::kHeader),
@@ -52,12 +69,8 @@ Result<StoreWriter> StoreWriter::resume(const std::string& path, const StoreHead
   writer.path_ = path;
   writer.segment_limit_ = segment_size;
   const bool finished = exists(manifest_path(path));
-  PSS_TRY(writer.open_manifest(finished ? manifest_path(path) : open_manifest_path(path)));
-  if (!writer.manifest_.has_header || writer.manifest_.header != header)
-    return Error{Fault::kFailed,
-                 fmt::format("{}: was made from other inputs or parameters; remove it or choose "
-                             "another name",
-                             path)};
+  PSS_TRY(writer.open_manifest(finished ? manifest_path(path) : open_manifest_path(path), header));
+  if (!writer.manifest_.has_header) return other_inputs(path);
   if (finished) return writer;
   PSS_TRY(writer.cut_segments());
   // Killed between the end record and the rename.
@@ -65,8 +78,20 @@ Result<StoreWriter> StoreWriter::resume(const std::string& path, const StoreHead
   return writer;
 }
 
-Result<void> StoreWriter::open_manifest(const std::string& name) {
-  const auto visit = [&](const LogRecord& record) { return manifest_.add(name, record); };
+/// Takes the header where it is the expected one: compared, and not read into another.
+Result<void> StoreWriter::add_record(const std::string& name, const LogRecord& record,
+                                     const StoreHeader& header) {
+  const bool first = static_cast<RecordType>(record.type) == RecordType::kHeader;
+  if (!first || manifest_.has_header) return manifest_.add(name, record);
+  PSS_TRY(check_version(name, record.payload));
+  if (!is_encoded(header, record.payload)) return other_inputs(path_);
+  manifest_.header = needed_of(header);
+  manifest_.has_header = true;
+  return {};
+}
+
+Result<void> StoreWriter::open_manifest(const std::string& name, const StoreHeader& header) {
+  const auto visit = [&](const LogRecord& record) { return add_record(name, record, header); };
   if (name == manifest_path(path_)) {
     PSS_TRY(read_log(name, Tail::kWhole, visit));
     if (manifest_.complete) return {};

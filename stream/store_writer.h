@@ -70,7 +70,9 @@ class StoreWriter {
 
  private:
   StoreWriter() = default;
-  Result<void> open_manifest(const std::string& name);
+  Result<void> add_record(const std::string& name, const LogRecord& record,
+                          const StoreHeader& header);
+  Result<void> open_manifest(const std::string& name, const StoreHeader& header);
   Result<void> cut_segments();
   Result<void> next_segment();
   Result<void> write_block(const EncodedBlock& block);

@@ -114,16 +114,13 @@ class SiteReader {
 
 }  // namespace
 
+std::uint64_t surroundings_memory() { return (kMostAround + kBlockPoints) * kBytesPerPoint; }
+
 Result<void> for_each_surroundings(const Store& store, std::span<const Site> sites,
                                    MemoryBudget& budget, Monitor& monitor,
                                    const std::function<void(const Surroundings&)>& use) {
-  const std::uint64_t bytes = (kMostAround + kBlockPoints) * kBytesPerPoint;
-  const auto memory = budget.reserve(bytes);
-  if (!memory)
-    return Error{
-        Fault::kMemoryLimit,
-        fmt::format("measuring the noise takes {} MiB; use a larger --memory-limit, or --h",
-                    (bytes >> 20) + 1)};
+  const auto memory = budget.reserve(surroundings_memory());
+  if (!memory) return budget.refusal("measuring the noise", surroundings_memory(), ", or --h");
   SiteReader reader(store, sites);
   std::size_t count = 1;
   for (std::size_t first = 0; first < sites.size();) {

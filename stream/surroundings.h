@@ -40,4 +40,7 @@ Result<void> for_each_surroundings(const Store& store, std::span<const Site> sit
                                    MemoryBudget& budget, Monitor& monitor,
                                    const std::function<void(const Surroundings&)>& use);
 
+/// What that reserves.
+std::uint64_t surroundings_memory();
+
 }  // namespace pss

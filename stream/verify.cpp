@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/morton.h"
+#include "stream/input_memory.h"
 #include "stream/keyed_rows.h"
 #include "stream/store.h"
 
@@ -129,13 +130,14 @@ class Verifier {
 
 Result<VerifySummary> verify_store(const std::string& path, MemoryBudget& budget,
                                    Monitor& monitor) {
+  PSS_ASSIGN(Reservation memory, reserve_header(path, budget));
   PSS_ASSIGN(const Store store, Store::open(path));
   const std::uint64_t row = sizeof(Index3) + store.header().schema.row_size();
-  const auto reservation = budget.reserve(store.memory() + 6 * kBlockPoints * row);
-  if (!reservation)
-    return Error{Fault::kMemoryLimit,
-                 fmt::format("{}: verifying needs {} bytes, {} are left of the memory limit", path,
-                             store.memory() + 6 * kBlockPoints * row, budget.available())};
+  const std::uint64_t needed =
+      memory_of(store.header()) + store.table_memory() + 6 * kBlockPoints * row;
+  if (!budget.grow(memory, needed))
+    return budget.refusal(fmt::format("{}: verifying rows of {} bytes", path, row),
+                          needed - memory.bytes());
   return Verifier(store, monitor).run();
 }
 

@@ -140,6 +140,8 @@ class Trials {
 
 }  // namespace
 
+std::uint64_t width_memory() { return Projector::bytes_for(kMostAround) + surroundings_memory(); }
+
 Result<Readings> try_widths(const Store& store, const SpacingSample& sample, const Method& method,
                             MemoryBudget& budget, Monitor& monitor) {
   const std::vector<Sampled> sampled = chosen_of(sample);
@@ -149,11 +151,7 @@ Result<Readings> try_widths(const Store& store, const SpacingSample& sample, con
     sites.push_back({position, reach(method.weight, trials.support(unit, kTrials - 1))});
   const std::uint64_t bytes = Projector::bytes_for(kMostAround);
   const auto memory = budget.reserve(bytes);
-  if (!memory)
-    return Error{
-        Fault::kMemoryLimit,
-        fmt::format("measuring the noise takes {} MiB; use a larger --memory-limit, or --h",
-                    bytes >> 20)};
+  if (!memory) return budget.refusal("measuring the noise", width_memory(), ", or --h");
   PSS_TRY(for_each_surroundings(store, sites, budget, monitor,
                                 [&](const Surroundings& around) { trials.add(around); }));
   return trials.readings();

@@ -50,4 +50,7 @@ struct Readings {
 Result<Readings> try_widths(const Store& store, const SpacingSample& sample, const Method& method,
                             MemoryBudget& budget, Monitor& monitor);
 
+/// What must be left of the limit for that.
+std::uint64_t width_memory();
+
 }  // namespace pss

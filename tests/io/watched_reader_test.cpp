@@ -28,7 +28,8 @@ class WatchedReaderTest : public ::testing::Test {
   /// Reads a file of three points two at a time, and does something behind the first two.
   template <class Act>
   Result<PointBatch> read_and(Act act, std::optional<std::uint64_t> count = {}) {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record_, count));
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader,
+               open_watched(record_, HeadBytes::kKept, count));
     PointBatch batch;
     PSS_TRY(reader->read(2, batch));
     act();
@@ -97,7 +98,7 @@ TEST_F(WatchedReaderTest, RefusesAnotherNumberOfPointsThanThereWas) {
 }
 
 TEST_F(WatchedReaderTest, CountsFromTheRecordThatItWasSentTo) {
-  const auto reader = open_watched(record_, 3);
+  const auto reader = open_watched(record_, HeadBytes::kKept, 3);
   ASSERT_TRUE(reader) << reader.error().message;
   ASSERT_TRUE((*reader)->seek(2));
 

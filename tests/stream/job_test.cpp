@@ -289,20 +289,5 @@ TEST(ResultSummary, OfOtherTypesIsNotTaken) {
   EXPECT_EQ(report.store_bytes, 7u);
 }
 
-TEST(Job, CountsTheNamesOfItsInputsAgainstTheLimit) {
-  MemoryBudget budget(std::uint64_t{128} << 20, 2);
-  const std::uint64_t before = budget.available();
-
-  const auto few = reserve_names(std::vector<std::string>(1000, "scan.las"), budget);
-  const auto many = reserve_names(std::vector<std::string>(100000, "scan.las"), budget);
-
-  ASSERT_TRUE(few);
-  EXPECT_EQ(before - budget.available(), few->bytes());
-  EXPECT_GE(few->bytes(), 1000000u);
-  ASSERT_FALSE(many);
-  EXPECT_EQ(many.error().fault, Fault::kMemoryLimit);
-  EXPECT_NE(many.error().message.find("100000 inputs"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace pss
