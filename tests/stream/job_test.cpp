@@ -78,9 +78,12 @@ class JobStages : public ::testing::Test {
     expect_ok(job.leave());
   }
   /// A store of one tile where the job keeps its sorted input or its result.
-  void make_store(const std::string& path) const {
-    const StoreHeader header;
+  void make_store(const std::string& path, std::uint64_t seed = 5) const {
+    StoreHeader header;
+    header.schema = test::rich_schema();
+    const test::Cloud cloud = test::random_cloud(20, 1000, header.schema.row_size(), seed);
     StoreWriter writer = expect_value(StoreWriter::create(path, header));
+    expect_ok(test::append_tile(writer, header.schema, cloud, 0, 20));
     expect_ok(writer.finish("{}"));
   }
   bool work_is_there() const { return exists(places_.work_directory()); }
@@ -247,13 +250,14 @@ TEST_F(JobStages, PutTheNewStoreInPlaceOfTheOldOne) {
   make_store(places_.output);
   places_.overwrite = true;
   Job job = expect_value(enter());
-  make_store(job.work().result_store());
-  std::ofstream(job.work().result_store() + "/segment-000000") << "new";
+  make_store(job.work().result_store(), 6);
+  const auto old_bytes = test::bytes_of(places_.output + "/segment-000000");
+  const auto new_bytes = test::bytes_of(job.work().result_store() + "/segment-000000");
+  ASSERT_NE(old_bytes, new_bytes);
 
   expect_ok(job.hand_over_store(job.work().result_store()));
 
-  EXPECT_TRUE(exists(places_.output + "/segment-000000"));
-  EXPECT_FALSE(exists(job.work().result_store() + "/segment-000000")) << "the old one is here";
+  EXPECT_EQ(test::bytes_of(places_.output + "/segment-000000"), new_bytes);
   expect_ok(job.leave());
   EXPECT_FALSE(work_is_there());
 }
