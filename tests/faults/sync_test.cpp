@@ -90,6 +90,8 @@ TEST(Sync, IsMissedByTheCrashTestsOrOneOfAShortList) {
     else
       EXPECT_GE(--harmless[syncs[k].about], 0) << syncs[k].about << ", sync " << k + 1;
   }
+  RecordProperty("needed", needed);
+  RecordProperty("syncs", static_cast<int>(syncs.size()));
   EXPECT_GE(needed, 19);
 }
 
