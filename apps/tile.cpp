@@ -99,8 +99,8 @@ class Tile : public Command {
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     PSS_TRY(check_places(places));
-    PSS_ASSIGN(const Reservation held, reserve_inputs(job_.inputs, least_memory(), budget));
     PSS_ASSIGN(JobRecord record, record_of(job_));
+    PSS_ASSIGN(const Reservation held, reserve_inputs(job_.inputs, least_memory(), budget));
     PSS_ASSIGN(Job started, Job::enter(places, std::move(record), progress));
     if (started.complete()) {
       progress.note(job_.output + ": already complete");

@@ -37,6 +37,12 @@ std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bo
 /// Whether export_grid() chooses the scale for the bounds.
 bool chooses_scale(const StoreHeader& header, const ExportOptions& options);
 
+/// Refuses a scale and an offset that cannot hold the store's box. Costs nothing.
+///
+/// Errors: kBadInput, with the --scale or --offset that would do.
+Result<void> check_export_box(const Store& store, double margin, Format format,
+                              const ExportOptions& options);
+
 /// Refuses what a LAS file of a store could not hold, before any work goes into it. Returns what
 /// should be known of a scale that was given by hand; empty for nothing.
 ///

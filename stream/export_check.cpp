@@ -61,6 +61,14 @@ Result<double> spacing_of_rows(const Store& store, double step, const PositionSu
 
 }  // namespace
 
+Result<void> check_export_box(const Store& store, double margin, Format format,
+                              const ExportOptions& options) {
+  if (format != Format::kLas) return {};
+  const WorldBox bounds = world_bounds_of(store);
+  const std::optional<Lattice> grid = export_grid(store.header(), bounds, margin, format, options);
+  return check_las_grid(store.path(), *grid, bounds, widened(bounds, margin));
+}
+
 Result<std::string> check_export(const Store& store, double margin, Format format,
                                  const ExportOptions& options, Monitor& monitor,
                                  const char* advice) {
@@ -68,7 +76,7 @@ Result<std::string> check_export(const Store& store, double margin, Format forma
   const StoreHeader& header = store.header();
   const WorldBox bounds = world_bounds_of(store);
   const std::optional<Lattice> grid = export_grid(header, bounds, margin, format, options);
-  PSS_TRY(check_las_grid(store.path(), *grid, bounds, widened(bounds, margin)));
+  PSS_TRY(check_export_box(store, margin, format, options));
   const bool chosen = chooses_scale(header, options);
   if (bounds.empty() || (!chosen && !options.scale)) return std::string();
   const double step = *std::ranges::max_element(grid->scale);

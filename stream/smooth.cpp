@@ -48,8 +48,9 @@ class SmoothRun {
     const Stopwatch total;
     PSS_TRY(check_job(job_));
     PSS_TRY(check_places(places_));
-    PSS_ASSIGN(const Reservation inputs, reserve_inputs(job_, budget_));
+    // Order: fingerprints first, so that whatever is read of an input is known to be of that file.
     PSS_ASSIGN(JobRecord record, job_record(job_));
+    PSS_ASSIGN(const Reservation inputs, reserve_inputs(job_, budget_));
     PSS_ASSIGN(Job started, Job::enter(places_, std::move(record), monitor_));
     report_.already_complete = started.complete();
     report_.resumed = started.resumed();
@@ -115,6 +116,7 @@ Result<bool> SmoothRun::has_result(const Job& started) const {
 Result<void> SmoothRun::compute(const Job& started) {
   const WorkDirectory& work = started.work();
   PSS_ASSIGN(Store source, sorted_input(started));
+  PSS_TRY(check_output_box(source, job_));
   PSS_ASSIGN(Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
   report_.store_bytes = source.bytes_on_disk();

@@ -174,6 +174,12 @@ IngestOptions ingest_options(const SmoothJob& job) {
   return options;
 }
 
+Result<void> check_output_box(const Store& source, const SmoothJob& job) {
+  if (is_store_name(job.output)) return {};
+  PSS_ASSIGN(const Format format, format_for(job.output));
+  return check_export_box(source, 0, format, export_options(job));
+}
+
 Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
                                       const ChosenWidths& widths, Monitor& monitor) {
   if (is_store_name(job.output)) return std::string();

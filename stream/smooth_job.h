@@ -24,6 +24,8 @@ JobPlaces places_of(const SmoothJob& job);
 /// The record that the job's work directory gets. Errors: kFailed for inputs that cannot be read.
 Result<JobRecord> job_record(const SmoothJob& job);
 
+/// Refuses, before anything is measured, a grid that cannot hold the sorted points as they are.
+Result<void> check_output_box(const Store& source, const SmoothJob& job);
 ExportOptions export_options(const SmoothJob& job);
 /// How the job's files are sorted.
 IngestOptions ingest_options(const SmoothJob& job);

@@ -80,7 +80,7 @@ class Excluded(SystemTest):
         """The widths of a job, how many points it left out, and its output."""
         scan, out, report = self.path(name), self.path("out-" + name), self.path("report.json")
         write(scan, points, way)
-        self.ok("smooth", scan, "-o", out, "--report", report)
+        self.ok("smooth", scan, "-o", out, "--report", report, "--overwrite")
         said = harness.read_json(report)
         return said["widths"], said["points"]["status"].get("excluded", 0), out
 

@@ -60,9 +60,12 @@ class NamedLimits(SystemTest):
         self.follow("smooth", self.path("?.las"), "-o", self.path("out.las"))
 
     def test_of_many_inputs(self):
-        scan, names = self.path("a.las"), self.path("names.txt")
+        scan, names = self.path("0.las"), self.path("names.txt")
         harness.write_las(scan, harness.random_records(1, 1))
-        names.write_text(f"{scan}\n" * 40000)
+        one = scan.read_bytes()
+        for number in range(1, 40000):
+            self.path(f"{number}.las").write_bytes(one)
+        names.write_text("".join(f"{self.folder}/{number}.las\n" for number in range(40000)))
         named = self.follow("tile", f"@{names}", "-o", self.path("out.pss"))
         self.assertEqual(len(named), 1)
 

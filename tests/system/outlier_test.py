@@ -67,8 +67,7 @@ class Outlier(SystemTest):
         self.points = sphere()
 
     def refused_far(self, *words, says=()):
-        restart = ["--restart"] if words[0] in ("smooth", "tile") else []
-        return self.refused(BAD_INPUT, *words, *restart, says=["--drop-outside=", *says])
+        return self.refused(BAD_INPUT, *words, says=["--drop-outside=", *says])
 
     def assert_nothing_sorted(self, output):
         work = self.path(output + ".work")
@@ -100,9 +99,9 @@ class Outlier(SystemTest):
         expected = collections.Counter(harness.Ply(self.path("expected.ply")).rows)
         for far in (FLT_MAX, 1e30, 1e12, 1e9):
             scan = write_ply(self.path("scan.ply"), with_far(self.points, far, 9))
-            output, report = self.path(f"{far}.ply"), self.path("report.json")
+            output, report = self.path(f"{far}.ply"), self.path(f"{far}.json")
             refusal = self.refused_far("smooth", scan, "-o", output)
-            run = self.ok("smooth", scan, "-o", output, "--report", report, "--restart",
+            run = self.ok("smooth", scan, "-o", output, "--report", report,
                           *remedy(refusal, "--drop-outside"))
             self.assertEqual(collections.Counter(harness.Ply(output).rows), expected)
             points = harness.read_json(report)["points"]
@@ -115,8 +114,7 @@ class Outlier(SystemTest):
         scan = write_ply(self.path("scan.ply"), with_far(self.points, FLT_MAX, 9))
         for command, name in (("tile", "s.pss"), ("smooth", "out.las"), ("convert", "all.las")):
             refusal = self.refused_far(command, scan, "-o", self.path(name))
-            restart = [] if command == "convert" else ["--restart"]
-            run = self.ok(command, scan, "-o", self.path(name), *restart,
+            run = self.ok(command, scan, "-o", self.path(name),
                           *remedy(refusal, "--drop-outside"))
             self.assertIn("dropped 1 points", run.err)
         for name in ("out.las", "all.las"):
@@ -131,7 +129,7 @@ class Outlier(SystemTest):
         scan = write_ply(self.path("scan.ply"), points)
         refusal = self.refused_far("smooth", scan, "-o", self.path("out.ply"))
         report = self.path("report.json")
-        self.ok("smooth", scan, "-o", self.path("out.ply"), "--report", report, "--restart",
+        self.ok("smooth", scan, "-o", self.path("out.ply"), "--report", report,
                 *remedy(refusal, "--drop-outside"))
         self.assertEqual(harness.read_json(report)["points"]["dropped"]["outside"], 100)
 
@@ -146,7 +144,7 @@ class Outlier(SystemTest):
         ply = write_ply(self.path("far.ply"), [(0.0, 0.5, 0.0), (0.0, 1e30, 0.0)])
         refusal = self.refused_far("smooth", las, ply, "-o", self.path("out.las"),
                                    says=[f"{ply}: record 1: y = 1"])
-        self.ok("smooth", las, ply, "-o", self.path("out.las"), "--restart",
+        self.ok("smooth", las, ply, "-o", self.path("out.las"),
                 *remedy(refusal, "--drop-outside"))
         out = harness.Las(self.path("out.las"))
         self.assertEqual(out.count, COUNT + 1)
@@ -215,16 +213,14 @@ class Grid(SystemTest):
                 out = self.path(f"{scan.suffix[1:]}-{command}.las")
                 run = self.refused_grid(command, scan, "-o", out, "--scale", "1e-8")
                 self.assertFalse((self.path(out.name + ".work") / "input.pss").exists())
-                restart = [] if command == "convert" else ["--restart"]
-                self.ok(command, scan, "-o", out, *restart, *remedy(run, "--scale", "--offset"))
+                self.ok(command, scan, "-o", out, *remedy(run, "--scale", "--offset"))
 
     def test_an_offset_that_is_too_far_is_refused_with_one_that_does(self):
         scan = las_of(self.path("scan.las"), self.points)
         for command in ("smooth", "convert"):
             out = self.path(command + ".las")
             run = self.refused_grid(command, scan, "-o", out, "--offset", "1e9,0,0")
-            restart = [] if command == "convert" else ["--restart"]
-            self.ok(command, scan, "-o", out, *restart, *remedy(run, "--offset"))
+            self.ok(command, scan, "-o", out, *remedy(run, "--offset"))
             self.assertEqual(harness.Las(out).scale, (0.0001,) * 3)
 
     def test_a_store_is_checked_before_the_first_pass(self):
@@ -232,8 +228,7 @@ class Grid(SystemTest):
         for command in ("smooth", "export"):
             out = self.path(command + ".las")
             run = self.refused_grid(command, self.path("s.pss"), "-o", out, "--offset", "1e9,0,0")
-            restart = [] if command == "export" else ["--restart"]
-            self.ok(command, self.path("s.pss"), "-o", out, *restart, *remedy(run, "--offset"))
+            self.ok(command, self.path("s.pss"), "-o", out, *remedy(run, "--offset"))
 
     def test_files_that_no_common_grid_of_32_bits_holds_are_refused_before_sorting(self):
         a = las_of(self.path("a.las"), self.points)
@@ -241,7 +236,7 @@ class Grid(SystemTest):
         b = las_of(self.path("b.las"), far, offset=(4e5, 0.0, 0.0))
         out = self.path("out.las")
         run = self.refused_grid("smooth", a, b, "-o", out)
-        self.ok("smooth", a, b, "-o", out, "--restart", *remedy(run, "--offset"))
+        self.ok("smooth", a, b, "-o", out, *remedy(run, "--offset"))
 
     def test_a_header_that_promises_too_much_is_not_believed(self):
         scan = las_of(self.path("scan.las"), self.points)
