@@ -27,9 +27,10 @@ class ReportFile {
   ///
   /// An existing file is replaced where `overwrite` says so, and where it is a report of the same
   /// command on the same output: a finished job that is run again reports again.
+  ///
   /// Errors: kUsage for an input or a list of them, the output, or what lies within a store or the
-  ///         work directory;
-  ///         kFailed where the file exists, cannot be written, or another process writes it.
+  ///         work directory; kFailed where the file exists, cannot be written, or another process
+  ///         writes it.
   static Result<ReportFile> claim(const std::string& name, const ReportRules& rules);
 
   bool to_stdout() const { return name_ == "-"; }

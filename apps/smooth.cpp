@@ -17,6 +17,7 @@
 #include "core/parallel.h"
 #include "core/simd/targets.h"
 #include "io/inputs.h"
+#include "stream/smooth_job.h"
 
 namespace pss {
 
@@ -197,11 +198,9 @@ class Smooth : public Command {
   }
 
   Result<ReportFile> claim_report() const {
-    const SmoothOptions& options = job_.options;
-    const std::string work_dir =
-        options.work_dir.empty() ? job_.output + ".work" : options.work_dir;
-    return ReportFile::claim(reports_.report, {"smooth", job_.inputs, job_.output, work_dir,
-                                               options.overwrite, inputs_});
+    const JobPlaces places = places_of(job_);
+    return ReportFile::claim(reports_.report, {"smooth", places.inputs, places.output,
+                                               places.work_directory(), places.overwrite, inputs_});
   }
 
   Result<void> estimate(const ReportFile& report, MemoryBudget& budget, Progress& progress) {

@@ -10,9 +10,10 @@ namespace pss {
 /// Opens /dev/null as those of the descriptors 0, 1 and 2 with which the program was not started:
 /// the next file that it opens would get the number, and what is printed would go into that file.
 ///
-/// What is written to such a stderr is lost; such a stdout takes nothing, so that print_data()
-/// fails. Requires: no file has been opened, and there is one thread. Errors:   kFailed where there
-/// is no /dev/null.
+/// What is written to such a stderr is lost; such a stdout takes nothing, so print_data() fails.
+///
+/// Requires: no file has been opened, and there is one thread.
+/// Errors:   kFailed where there is no /dev/null.
 Result<void> open_missing_streams();
 
 /// Writes data to stdout, all the way to the system.

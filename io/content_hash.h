@@ -17,7 +17,7 @@ namespace pss {
 
 struct FileContent {
   std::uint64_t size = 0;
-  std::int64_t modified_ns = 0;  ///< since 1970
+  std::int64_t modified_ns = 0;  ///< since 1970; for people, a copy has another
   Hash128 hash;                  ///< of the hashes of the file's pieces of 4 MiB
 };
 

@@ -42,7 +42,7 @@ void close(int descriptor);
 Outcome read(int descriptor, std::uint64_t offset, std::span<std::byte> out);
 Outcome write(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes);
 Outcome truncate(int descriptor, std::uint64_t size);
-/// fsync, not fdatasync: a job knows its output again by the time of its last change, too.
+/// fsync, not fdatasync: the size is durable with the bytes, and so is the time that a record has.
 Outcome sync(int descriptor);
 /// Never waits: -EWOULDBLOCK where another process holds it.
 Outcome lock(int descriptor, Lock kind);

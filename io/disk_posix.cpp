@@ -9,9 +9,11 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -35,6 +37,13 @@ int flags_of(Open how) {
   return O_RDONLY;
 }
 
+/// Since 1970; what does not fit (beyond the years 1678 to 2262) is the nearest that does.
+std::int64_t nanoseconds(std::int64_t seconds, std::uint32_t rest) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / kSecond - 1;
+  return std::clamp(seconds, -kMost, kMost) * kSecond + rest;
+}
+
 /// What the kernel says of a file, by descriptor (path ""), or by path.
 Outcome find_status(int folder, const char* path, int flags, Status& out) {
   struct statx found {};
@@ -44,7 +53,7 @@ Outcome find_status(int folder, const char* path, int flags, Status& out) {
              : S_ISLNK(found.stx_mode) ? Kind::kLink
                                        : Kind::kOther;
   out.size = found.stx_size;
-  out.modified_ns = found.stx_mtime.tv_sec * 1'000'000'000 + found.stx_mtime.tv_nsec;
+  out.modified_ns = nanoseconds(found.stx_mtime.tv_sec, found.stx_mtime.tv_nsec);
   out.device = makedev(found.stx_dev_major, found.stx_dev_minor);
   out.inode = found.stx_ino;
   out.links = found.stx_nlink;
@@ -52,15 +61,16 @@ Outcome find_status(int folder, const char* path, int flags, Status& out) {
   return 0;
 }
 
-/// "1: FLOCK  ADVISORY  WRITE 5671 fe:00:10952733 0 EOF": the process, where the lock is one of
-/// flock() on a file of this number.
+/// "1: FLOCK  ADVISORY  WRITE 5671 fe:00:10952733 0 EOF": the process, where the lock is an
+/// exclusive one of flock() on a file of this number.
 Outcome holder_in(const std::string& line, std::uint64_t inode) {
   std::istringstream words(line);
   std::string number, kind, mode, access, file;
   std::int64_t process = 0;
   words >> number >> kind >> mode >> access >> process >> file;
   const std::size_t colon = file.find_last_of(':');
-  if (!words || kind != "FLOCK" || process <= 0 || colon == std::string::npos) return -ESRCH;
+  if (!words || kind != "FLOCK" || access != "WRITE" || process <= 0 || colon == std::string::npos)
+    return -ESRCH;
   return file.substr(colon + 1) == std::to_string(inode) ? process : -ESRCH;
 }
 

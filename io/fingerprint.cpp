@@ -31,10 +31,10 @@ nanoseconds step_of(nanoseconds modified) {
 /// How long to wait until every change gets a later time than this one.
 nanoseconds until_settled(std::int64_t modified_ns) {
   const nanoseconds modified(modified_ns);
-  const nanoseconds age = std::chrono::system_clock::now().time_since_epoch() - modified;
+  const nanoseconds now = std::chrono::system_clock::now().time_since_epoch();
   // A time that lies ahead was set by hand, or by a clock that this one knows nothing of.
-  if (age < nanoseconds(0)) return nanoseconds(0);
-  return std::max(nanoseconds(0), step_of(modified) - age);
+  if (now < modified || modified < now - kSecondsStep) return nanoseconds(0);
+  return std::max(nanoseconds(0), step_of(modified) - (now - modified));
 }
 
 std::string described(const InputRecord& record) {

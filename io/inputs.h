@@ -17,9 +17,8 @@ namespace pss {
 /// `output` is left out of what directories and globs give: the same command finds the same inputs
 /// when its output has come to lie among them.
 ///
-/// Errors: kFailed naming what is missing or matches nothing; kUsage for a file that is there
-/// twice,
-///         by whatever names or links, as each of its points would have a twin; those of
+/// Errors: kFailed naming what is missing or matches nothing; kUsage for a file that is there twice
+///         (by whatever names or links: each of its points would have a twin); those of
 ///         check_lists() for `output`.
 Result<std::vector<std::string>> expand_inputs(std::span<const std::string> arguments,
                                                const std::string& output = {});

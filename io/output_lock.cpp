@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <cstdint>
-#include <functional>
 #include <system_error>
 #include <utility>
 
@@ -166,7 +165,12 @@ Result<bool> OutputLock::hold(bool made) {
   const std::string temporary = beside(path_, fmt::format("{}.pss-part", status.inode));
   // Order: the lock file's name is durable before anything is written under the temporary name.
   // Otherwise a power cut could leave a temporary that nobody knows.
-  PSS_TRY(made ? sync_directory(directory_of(path_)) : remove_left_over(temporary));
+  // Whoever made it may have been killed before that, so it is done again.
+  if (auto durable = sync_directory(directory_of(path_)); !durable) {
+    if (made) disk::remove_file(name);
+    return std::move(durable).error();
+  }
+  if (!made) PSS_TRY(remove_left_over(temporary));
   temporary_ = temporary;
   return true;
 }
@@ -177,11 +181,10 @@ std::optional<std::string> lock_holder(const std::string& path) {
   const disk::Outcome opened = disk::open(lock_name_of(path), disk::Open::kReadWrite);
   if (opened < 0) return std::nullopt;
   const int descriptor = static_cast<int>(opened);
-  std::optional<std::string> holder;
-  if (disk::lock(descriptor, disk::Lock::kShared) == -EWOULDBLOCK)
-    holder = holder_text(disk::lock_holder(descriptor));
+  // Asked, and not tried: a lock taken here for a moment could turn a job away that begins now.
+  const disk::Outcome process = disk::lock_holder(descriptor);
   disk::close(descriptor);
-  return holder;
+  return process > 0 ? std::optional(holder_text(process)) : std::nullopt;
 }
 
 }  // namespace pss

@@ -62,8 +62,9 @@ Result<Reservation> reserve_inputs(const std::vector<std::string>& inputs, const
   Asked asked;
   asked.names = memory_of_names(inputs);
   asked.head = kHeaderCopies * (cloud.carry_size + cloud.crs.size());
-  // The others are taken for as large: their number is known only once all are opened.
-  asked.work = least(header, cloud.count.value_or(0) * inputs.size());
+  // Of the first alone: how many points the others have is known, and asked for, once all are
+  // opened.
+  asked.work = least(header, cloud.count.value_or(0));
   if (asked.held() + asked.work > budget.available()) return refusal(inputs, asked, budget);
   return budget.take(asked.held(), inputs.front());
 }

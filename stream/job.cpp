@@ -40,6 +40,7 @@ Result<Job> Job::enter(const JobPlaces& places, JobRecord record, Monitor& monit
     PSS_TRY(job.leave());
     return job;
   }
+  PSS_TRY(job.put_back());
   PSS_TRY(job.check_output_name());
   if (auto opened = job.open_work(); !opened) return job.fail(std::move(opened).error());
   return job;
@@ -61,14 +62,23 @@ Result<bool> Job::is_complete() {
   }
   const auto finished = recall_finished(places_.state_folder, places_.output);
   if (!finished || finished->identity != identity_of(record_)) return false;
-  record_.result = finished->content;
   PSS_ASSIGN(const bool there, has_content(finished->content));
+  if (there) record_.result = finished->content;
   // Killed between its record and its directory: what is left goes now.
   if (there && places_.work_dir.empty() && exists(places_.work_directory())) {
     PSS_ASSIGN(WorkDirectory work, WorkDirectory::open(places_.work_directory()));
     work_.emplace(std::move(work));
   }
   return there;
+}
+
+/// Where names cannot be exchanged, a kill between two renames leaves the old store in the work
+/// directory alone: it gets its name back before anything else may happen to it.
+Result<void> Job::put_back() {
+  const std::string replaced = WorkDirectory::replaced_store_in(places_.work_directory());
+  if (!has_manifest(replaced) || exists(places_.output)) return {};
+  PSS_ASSIGN(const WorkDirectory work, WorkDirectory::open(places_.work_directory()));
+  return rename_to_free_name(replaced, places_.output);
 }
 
 Result<bool> Job::has_content(const FileContent& content) const {
@@ -156,7 +166,7 @@ Result<void> Job::hand_over_store(const std::string& store) {
 /// The old store goes into the work directory, and from there once all is done.
 Result<void> Job::replace_store(const std::string& store) {
   PSS_ASSIGN(const bool exchanged, exchange_names(store, places_.output));
-  if (exchanged) return {};
+  if (exchanged) return rename_to_free_name(store, work_->replaced_store());
   PSS_TRY(rename_to_free_name(places_.output, work_->replaced_store()));
   const Result<void> renamed = rename_to_free_name(store, places_.output);
   if (!renamed) PSS_TRY(rename_to_free_name(work_->replaced_store(), places_.output));
@@ -168,12 +178,14 @@ Result<void> Job::leave() {
   if (!places_.work_dir.empty() || places_.keep_work) {
     if (!work_) return {};
     PSS_TRY(work_->write_record(record_));
-    return places_.keep_work ? Result<void>() : work_->remove_data();
+    return places_.keep_work ? work_->remove_replaced() : work_->remove_data();
   }
   if (!work_) return {};
   // Order: it is remembered that OUTPUT is complete before the record here that says so goes.
   const FinishedOutput finished{identity_of(record_), *record_.result};
-  const auto remembered = remember_finished(places_.state_folder, places_.output, finished);
+  const auto remembered = places_.state_folder.empty()
+                              ? Error{Fault::kFailed, "no state folder is known"}
+                              : remember_finished(places_.state_folder, places_.output, finished);
   if (!remembered)
     monitor_->note(fmt::format("the same command will not know that {} is complete: {}",
                                places_.output, remembered.error().message));
@@ -182,23 +194,42 @@ Result<void> Job::leave() {
   return removed;
 }
 
+/// What cannot be read now may be as it was: only what has changed spoils what is sorted.
+void Job::note_changed_input() {
+  for (const InputRecord& input : record_.inputs) {
+    const Result<void> unchanged = check_unchanged(input);
+    if (unchanged || !fingerprint(input.path)) continue;
+    record_.spoiled = unchanged.error().message;
+    static_cast<void>(work_->write_record(record_));
+    return;
+  }
+}
+
+/// Of damage in the work directory: what it holds can be made again.
+Error Job::with_remedy(Error why) const {
+  const bool here = why.message.starts_with(places_.work_directory() + "/");
+  const bool names_it = why.message.find("--restart") != std::string::npos;
+  if (here && !names_it && why.fault == Fault::kBadInput)
+    why.message += "; use --restart to make it again";
+  return why;
+}
+
 Error Job::fail(Error why) {
+  why = with_remedy(std::move(why));
   if (!work_) return why;
   if (!entered_) {  // the directory may hold another job
     if (work_->made()) WorkDirectory::remove_empty(*std::move(work_));
     work_.reset();
     return why;
   }
-  if (!work_->has_work()) {
+  const bool handed_over = record_.result && exists(places_.output);
+  if (!work_->has_work() && !handed_over) {
     const bool users = !places_.work_dir.empty() && !work_->made();  // an empty folder, before
     static_cast<void>(users ? work_->clear(record_)
                             : WorkDirectory::remove(*std::move(work_), record_));
     work_.reset();
   } else if (why.fault != Fault::kInterrupted && record_.spoiled.empty()) {
-    const Result<void> unchanged = check_unchanged(record_.inputs);
-    if (unchanged) return why;
-    record_.spoiled = unchanged.error().message;
-    static_cast<void>(work_->write_record(record_));
+    note_changed_input();
   }
   return why;
 }

@@ -67,6 +67,9 @@ class Job {
   Job(const JobPlaces& places, JobRecord record, OutputLock lock, Monitor& monitor);
   Result<bool> is_complete();
   Result<bool> has_content(const FileContent& content) const;
+  Result<void> put_back();
+  void note_changed_input();
+  Error with_remedy(Error why) const;
   Result<void> check_output_name() const;
   Result<void> open_work();
   Result<void> check_rename() const;

@@ -63,7 +63,7 @@ JobRecord record_from(const json& j) {
   record.sorting = object_text(j.at("sorting"));
   record.parameters = object_text(j.at("parameters"));
   for (const json& input : j.at("inputs")) record.inputs.push_back(input_from(input));
-  record.spoiled = j.at("spoiled").get<std::string>();
+  record.spoiled = name_of_json_text(j.at("spoiled").get<std::string>());
   record.discarding = j.at("discarding").get<bool>();
   record.complete = j.at("complete").get<bool>();
   if (j.contains("result")) record.result = content_from(j.at("result"));

@@ -126,6 +126,7 @@ Result<void> SmoothRun::compute(const Job& started) {
   if (report_.normals != NormalsFrom::kFirstPass) return project(source, work);
   PSS_TRY(compute_normals(source, work));
   PSS_ASSIGN(source, Store::open(work.normals_store()));
+  tables.release();
   PSS_ASSIGN(tables, reserve_tables(source));
   return project(source, work);
 }

@@ -114,7 +114,7 @@ struct JobState {
   std::string parameters;  ///< JSON
   std::string spoiled;     ///< why it begins again; empty where it goes on
   std::vector<std::string> inputs;
-  std::optional<std::string> holder;  ///< "pid N on HOST" of a process that runs it now
+  std::optional<std::string> holder;  ///< "process N on HOST" of a process that runs it now
 };
 /// Errors: kBadInput where the record or a store in the directory is damaged.
 Result<JobState> read_job_state(const std::string& work_dir);

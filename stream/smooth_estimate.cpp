@@ -120,6 +120,7 @@ Result<SmoothEstimate> from_files(const SmoothJob& job, MemoryBudget& budget, Mo
 Result<SmoothEstimate> estimate_smooth(const SmoothJob& job, MemoryBudget& budget,
                                        Monitor& monitor) {
   PSS_TRY(check_job(job));
+  PSS_TRY(check_places(places_of(job)));
   PSS_ASSIGN(const Reservation inputs, reserve_inputs(job, budget));
   return is_store_input(job) ? from_store(job, budget, monitor) : from_files(job, budget, monitor);
 }

@@ -60,11 +60,11 @@ Result<JobState> read_job_state(const std::string& work_dir) {
     return state;
   }
   // The sorted input of a job over a store is that store itself.
+  const std::string first = record->inputs.empty() ? "" : record->inputs.front().path;
   const bool over_store =
-      record->inputs.size() == 1 && is_store(directory_of(record->inputs.front().path));
-  PSS_TRY(
-      find_stage(over_store ? directory_of(record->inputs.front().path) : work_dir + "/input.pss",
-                 work_dir + "/normals.pss", work_dir + "/result.pss", state));
+      first == manifest_path(directory_of(first)) && has_manifest(directory_of(first));
+  PSS_TRY(find_stage(over_store ? directory_of(first) : work_dir + "/input.pss",
+                     work_dir + "/normals.pss", work_dir + "/result.pss", state));
   return state;
 }
 

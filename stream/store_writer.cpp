@@ -37,10 +37,11 @@ StoreHeader needed_of(const StoreHeader& header) {
 }
 
 Error other_inputs(const std::string& path) {
-  return {Fault::kFailed,
-          fmt::format("{}: was made from other inputs or parameters; remove it or choose another "
-                      "name",
-                      path)};
+  return {
+      Fault::kFailed,
+      fmt::format("{}: was made from other inputs or parameters; use --restart where it is of a "
+                  "job, or choose another name",
+                  path)};
 }
 
 }  // namespace

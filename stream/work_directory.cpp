@@ -120,10 +120,11 @@ bool WorkDirectory::has_work() const {
 
 Result<void> WorkDirectory::probe_rename(const std::string& to) const {
   const std::string probe = path_ + "/probe";
+  const auto nothing = [](const std::string&) { return false; };
+  PSS_TRY(remove_own_directory(probe, nothing));  // left from a kill: it is empty
   PSS_TRY(make_own_directory(probe));
   const Result<void> renamed = rename_to_free_name(probe, to);
-  const auto nothing = [](const std::string&) { return false; };
-  PSS_TRY(remove_own_directory(renamed ? to : probe, nothing));
+  PSS_TRY(remove_own_directory(exists(probe) ? probe : to, nothing));
   return renamed;
 }
 
@@ -131,6 +132,8 @@ Result<void> WorkDirectory::remove_results() const {
   PSS_TRY(remove_store_files(normals_store()));
   return remove_store_files(result_store());
 }
+
+Result<void> WorkDirectory::remove_replaced() const { return remove_store_files(replaced_store()); }
 
 Result<void> WorkDirectory::remove_sources() const {
   PSS_TRY(remove_runs(runs()));

@@ -39,7 +39,10 @@ class WorkDirectory {
   std::string normals_store() const { return path_ + "/normals.pss"; }
   std::string result_store() const { return path_ + "/result.pss"; }
   /// A store that had OUTPUT's name, on its way to be removed.
-  std::string replaced_store() const { return path_ + "/replaced.pss"; }
+  std::string replaced_store() const { return replaced_store_in(path_); }
+  static std::string replaced_store_in(const std::string& work_dir) {
+    return work_dir + "/replaced.pss";
+  }
 
   Result<std::optional<JobRecord>> read_record() const { return read_job_record(path_); }
   Result<void> write_record(const JobRecord& record) const;
@@ -54,6 +57,8 @@ class WorkDirectory {
 
   /// Removes what was made from the sorted points.
   Result<void> remove_results() const;
+  /// Removes the store that had OUTPUT's name.
+  Result<void> remove_replaced() const;
   /// Removes what a complete result was made from.
   Result<void> remove_sources() const;
   /// Removes all that a job keeps here but the record, and nothing else.
