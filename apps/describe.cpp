@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "apps/progress_view.h"
-#include "io/las_header.h"
-#include "io/las_vlr.h"
+#include "io/formats/las/las_header.h"
+#include "io/formats/las/las_vlr.h"
 
 namespace pss {
 

@@ -4,9 +4,9 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "io/reader.h"
-#include "stream/smooth.h"
-#include "stream/store.h"
+#include "io/points/reader.h"
+#include "stream/jobs/smooth.h"
+#include "stream/store/store.h"
 
 namespace pss {
 

@@ -1,6 +1,6 @@
 // pss export: a store written as one file.
 
-#include "stream/export.h"
+#include "stream/store/export.h"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,8 @@
 #include "apps/progress.h"
 #include "core/parallel.h"
 #include "io/inputs.h"
-#include "stream/input_memory.h"
-#include "stream/store.h"
+#include "stream/store/input_memory.h"
+#include "stream/store/store.h"
 
 namespace pss {
 

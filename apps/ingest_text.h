@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "stream/ingest.h"
+#include "stream/sort/ingest.h"
 
 namespace pss {
 

@@ -13,7 +13,7 @@
 #include "apps/out_of_memory.h"
 #include "apps/signals.h"
 #include "apps/standard_streams.h"
-#include "stream/memory.h"
+#include "stream/limit/memory.h"
 
 namespace pss {
 namespace {

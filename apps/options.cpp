@@ -10,7 +10,7 @@
 #include <span>
 
 #include "core/parallel.h"
-#include "stream/memory.h"
+#include "stream/limit/memory.h"
 
 namespace pss {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "apps/standard_streams.h"
-#include "stream/memory.h"
+#include "stream/limit/memory.h"
 
 namespace pss {
 

@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "apps/standard_streams.h"
-#include "io/file.h"
+#include "io/file/file.h"
+#include "io/file/output_file.h"
 #include "io/inputs.h"
-#include "io/output_file.h"
-#include "stream/manifest.h"
+#include "stream/store/manifest.h"
 
 namespace pss {
 namespace {

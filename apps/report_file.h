@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/result.h"
-#include "io/output_lock.h"
+#include "io/file/output_lock.h"
 
 namespace pss {
 

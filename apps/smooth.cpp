@@ -1,6 +1,6 @@
 // pss smooth: every point projected onto its MLS surface, out of core.
 
-#include "stream/smooth.h"
+#include "stream/jobs/smooth.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@
 #include "core/parallel.h"
 #include "core/simd/targets.h"
 #include "io/inputs.h"
-#include "stream/smooth_job.h"
+#include "stream/jobs/smooth_job.h"
 
 namespace pss {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "stream/smooth.h"
+#include "stream/jobs/smooth.h"
 
 namespace pss {
 

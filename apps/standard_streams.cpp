@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <system_error>
 
-#include "io/disk.h"
+#include "io/file/disk.h"
 
 namespace pss {
 

@@ -8,8 +8,8 @@
 #include "apps/standard_streams.h"
 #include "core/parallel.h"
 #include "io/convert.h"
-#include "io/measure.h"
-#include "io/synth.h"
+#include "io/synth/measure.h"
+#include "io/synth/synth.h"
 #include "io/watched_reader.h"
 
 namespace pss {

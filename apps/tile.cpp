@@ -11,12 +11,12 @@
 #include "apps/progress.h"
 #include "apps/report_file.h"
 #include "core/parallel.h"
-#include "io/fingerprint.h"
+#include "io/file/fingerprint.h"
 #include "io/inputs.h"
-#include "stream/ingest.h"
-#include "stream/ingest_memory.h"
-#include "stream/input_memory.h"
-#include "stream/job.h"
+#include "stream/jobs/job.h"
+#include "stream/sort/ingest.h"
+#include "stream/sort/ingest_memory.h"
+#include "stream/store/input_memory.h"
 
 namespace pss {
 

@@ -1,6 +1,6 @@
 // pss verify: every checksum and count of a store; the hash of its rows.
 
-#include "stream/verify.h"
+#include "stream/store/verify.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "io/reader.h"
+#include "io/points/reader.h"
 
 namespace pss::bench {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/morton.h"
-#include "stream/store.h"
+#include "stream/store/store.h"
 
 namespace pss {
 namespace {

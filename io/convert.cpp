@@ -9,10 +9,10 @@
 
 #include "io/convert_plan.h"
 #include "io/inputs.h"
-#include "io/position_survey.h"
-#include "io/positions.h"
+#include "io/points/position_survey.h"
+#include "io/points/positions.h"
+#include "io/points/writer.h"
 #include "io/reader_on_demand.h"
-#include "io/writer.h"
 
 namespace pss {
 namespace {

@@ -11,9 +11,9 @@
 #include "core/lattice.h"
 #include "core/monitor.h"
 #include "core/result.h"
-#include "io/file.h"
-#include "io/output_file.h"
-#include "io/reader.h"
+#include "io/file/file.h"
+#include "io/file/output_file.h"
+#include "io/points/reader.h"
 
 namespace pss {
 

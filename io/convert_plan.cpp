@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <optional>
 
-#include "io/las_grid.h"
-#include "io/las_plan.h"
-#include "io/position_survey.h"
-#include "io/reader.h"
+#include "io/formats/las/las_grid.h"
+#include "io/formats/las/las_plan.h"
+#include "io/points/position_survey.h"
+#include "io/points/reader.h"
 
 namespace pss {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/convert.h"
-#include "io/writer.h"
+#include "io/points/writer.h"
 
 namespace pss {
 

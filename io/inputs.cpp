@@ -10,9 +10,9 @@
 #include <system_error>
 #include <utility>
 
-#include "io/disk.h"
-#include "io/file.h"
-#include "io/writer.h"
+#include "io/file/disk.h"
+#include "io/file/file.h"
+#include "io/points/writer.h"
 
 namespace pss {
 namespace {

@@ -1,4 +1,5 @@
-// open_reader(), create_writer() and format_for() of io/reader.h and io/writer.h: which format.
+// open_reader(), create_writer() and format_for() of io/points/reader.h and io/points/writer.h:
+// which format.
 
 #include <fmt/format.h>
 
@@ -8,19 +9,19 @@
 #include <string_view>
 #include <utility>
 
-#include "io/file.h"
-#include "io/las_header.h"
-#include "io/las_reader.h"
-#include "io/las_writer.h"
-#include "io/ply_plan.h"
-#include "io/ply_reader.h"
-#include "io/ply_writer.h"
-#include "io/reader.h"
-#include "io/text_layout.h"
-#include "io/text_plan.h"
-#include "io/text_reader.h"
-#include "io/text_writer.h"
-#include "io/writer.h"
+#include "io/file/file.h"
+#include "io/formats/las/las_header.h"
+#include "io/formats/las/las_reader.h"
+#include "io/formats/las/las_writer.h"
+#include "io/formats/ply/ply_plan.h"
+#include "io/formats/ply/ply_reader.h"
+#include "io/formats/ply/ply_writer.h"
+#include "io/formats/text/text_layout.h"
+#include "io/formats/text/text_plan.h"
+#include "io/formats/text/text_reader.h"
+#include "io/formats/text/text_writer.h"
+#include "io/points/reader.h"
+#include "io/points/writer.h"
 
 namespace pss {
 namespace {

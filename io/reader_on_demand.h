@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "io/fingerprint.h"
-#include "io/reader.h"
+#include "io/file/fingerprint.h"
+#include "io/points/reader.h"
 
 namespace pss {
 

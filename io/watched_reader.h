@@ -5,8 +5,8 @@
 #include <memory>
 #include <optional>
 
-#include "io/fingerprint.h"
-#include "io/reader.h"
+#include "io/file/fingerprint.h"
+#include "io/points/reader.h"
 
 namespace pss {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/synth.h"
+#include "io/synth/synth.h"
 
 namespace pss::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "io/synth_options.h"
+#include "io/synth/synth_options.h"
 
 namespace pss::bench {
 

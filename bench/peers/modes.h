@@ -7,7 +7,7 @@
 
 #include "bench/peers/contender.h"
 #include "bench/peers/report.h"
-#include "io/synth_options.h"
+#include "io/synth/synth_options.h"
 
 namespace pss::bench {
 

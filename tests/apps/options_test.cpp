@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/parallel.h"
-#include "stream/memory.h"
+#include "stream/limit/memory.h"
 
 namespace pss::test {
 

@@ -1,8 +1,8 @@
 // One bit flipped anywhere in what a job keeps: found and named, or without effect. Reliability
 // test 6.
 
-#include "stream/export.h"
-#include "stream/verify.h"
+#include "stream/store/export.h"
+#include "stream/store/verify.h"
 #include "tests/faults/small_job.h"
 #include "tests/stream/store_fixture.h"
 

@@ -4,9 +4,9 @@
 
 #include <cerrno>
 
-#include "stream/log.h"
-#include "stream/store.h"
-#include "stream/store_writer.h"
+#include "stream/store/log.h"
+#include "stream/store/store.h"
+#include "stream/store/store_writer.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/simulated_disk.h"
 

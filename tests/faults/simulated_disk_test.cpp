@@ -4,7 +4,7 @@
 
 #include <cerrno>
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 namespace pss::test {
 namespace {

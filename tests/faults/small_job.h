@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "stream/smooth.h"
+#include "stream/jobs/smooth.h"
 #include "tests/support/simulated_disk.h"
 
 namespace pss::test {

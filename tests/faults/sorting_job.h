@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "stream/export.h"
+#include "stream/store/export.h"
 #include "tests/stream/ingest_fixture.h"
 #include "tests/support/simulated_disk.h"
 

@@ -1,10 +1,10 @@
 // A tile's block: the columns of positions and fields.
 
-#include "stream/block.h"
+#include "stream/store/block.h"
 
 #include <algorithm>
 
-#include "stream/bytes.h"
+#include "stream/store/bytes.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/small_cloud.h"
 #include "tests/fuzz/target.h"

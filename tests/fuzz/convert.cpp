@@ -4,7 +4,7 @@
 
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/target.h"
-#include "tests/io/las_bytes.h"
+#include "tests/io/formats/las/las_bytes.h"
 
 namespace pss::test {
 namespace {

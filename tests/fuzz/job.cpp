@@ -1,8 +1,8 @@
 // The JSON that a job keeps: its record, and the summary of its result.
 
-#include "stream/job.h"
+#include "stream/jobs/job.h"
 
-#include "stream/smooth_json.h"
+#include "stream/jobs/smooth_json.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/target.h"
 

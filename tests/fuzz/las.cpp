@@ -1,9 +1,9 @@
 // LAS files: header, VLRs, extra bytes, coordinate system, records, EVLRs.
 
-#include "io/las_reader.h"
+#include "io/formats/las/las_reader.h"
 #include "tests/fuzz/read_points.h"
 #include "tests/fuzz/target.h"
-#include "tests/io/las_bytes.h"
+#include "tests/io/formats/las/las_bytes.h"
 
 namespace pss::test {
 

@@ -1,6 +1,6 @@
-// Stands in for io/hash.cpp: every checksum is 0, so that changed bytes come past them.
+// Stands in for io/file/hash.cpp: every checksum is 0, so that changed bytes come past them.
 
-#include "io/hash.h"
+#include "io/file/hash.h"
 
 namespace pss {
 

@@ -1,6 +1,6 @@
 // Numbers as text: beside the C library's, and there and back.
 
-#include "io/numbers.h"
+#include "io/points/numbers.h"
 
 #include <array>
 #include <cmath>

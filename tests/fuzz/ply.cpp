@@ -1,6 +1,6 @@
 // PLY files: header, text and bytes of both orders, lists, other elements.
 
-#include "io/ply_reader.h"
+#include "io/formats/ply/ply_reader.h"
 #include "tests/fuzz/read_points.h"
 #include "tests/fuzz/target.h"
 

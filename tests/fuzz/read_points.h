@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/result.h"
-#include "io/reader.h"
+#include "io/points/reader.h"
 
 namespace pss::test {
 

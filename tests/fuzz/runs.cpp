@@ -1,8 +1,8 @@
 // The log of a killed sort, and its first run.
 
-#include "stream/run.h"
+#include "stream/sort/run.h"
 
-#include "stream/run_log.h"
+#include "stream/sort/run_log.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/small_cloud.h"
 #include "tests/fuzz/target.h"

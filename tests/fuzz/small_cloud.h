@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/morton.h"
-#include "stream/block.h"
+#include "stream/store/block.h"
 
 namespace pss::test {
 

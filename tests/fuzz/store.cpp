@@ -1,14 +1,14 @@
 // A store: its manifest, record by record, and the tiles of its first segment.
 
-#include "stream/store.h"
+#include "stream/store/store.h"
 
-#include "stream/export.h"
-#include "stream/store_writer.h"
-#include "stream/verify.h"
+#include "stream/store/export.h"
+#include "stream/store/store_writer.h"
+#include "stream/store/verify.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/small_cloud.h"
 #include "tests/fuzz/target.h"
-#include "tests/io/las_bytes.h"
+#include "tests/io/formats/las/las_bytes.h"
 
 namespace pss::test {
 namespace {

@@ -1,6 +1,6 @@
 // Text files of points: separators, names, counts, comments.
 
-#include "io/text_reader.h"
+#include "io/formats/text/text_reader.h"
 #include "tests/fuzz/read_points.h"
 #include "tests/fuzz/target.h"
 

@@ -1,6 +1,6 @@
 // Well-known text of coordinate systems.
 
-#include "io/wkt.h"
+#include "io/points/wkt.h"
 
 #include <fmt/format.h>
 

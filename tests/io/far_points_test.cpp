@@ -9,8 +9,8 @@
 #include <string>
 
 #include "io/convert.h"
-#include "io/las_grid.h"
-#include "tests/io/las_bytes.h"
+#include "io/formats/las/las_grid.h"
+#include "tests/io/formats/las/las_bytes.h"
 #include "tests/io/point_files.h"
 #include "tests/support/test_data.h"
 

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <string>
 
-#include "io/reader.h"
-#include "io/writer.h"
-#include "tests/io/las_bytes.h"
+#include "io/points/reader.h"
+#include "io/points/writer.h"
+#include "tests/io/formats/las/las_bytes.h"
 #include "tests/io/point_files.h"
 #include "tests/support/test_data.h"
 

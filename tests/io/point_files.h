@@ -11,10 +11,10 @@
 #include <string>
 #include <string_view>
 
-#include "io/points.h"
-#include "io/reader.h"
-#include "io/schema.h"
-#include "io/writer.h"
+#include "io/points/points.h"
+#include "io/points/reader.h"
+#include "io/points/schema.h"
+#include "io/points/writer.h"
 
 namespace pss::test {
 

@@ -23,7 +23,7 @@ class Page(unittest.TestCase):
             self.assertEqual(block(f"examples/{name}"), (ROOT / "docs/examples" / name).read_text())
 
     def test_the_headers_that_it_names_exist(self):
-        headers = re.findall(r"core/\w+\.h", PAGE)
+        headers = re.findall(r"(?:core|io|stream)/[\w/]+\.h", PAGE)
         self.assertGreater(len(headers), 3)
         for header in headers:
             self.assertTrue((ROOT / header).is_file(), header)

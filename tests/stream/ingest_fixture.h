@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "io/las_schema.h"
-#include "io/reader.h"
-#include "io/writer.h"
-#include "stream/ingest.h"
-#include "stream/store.h"
-#include "stream/verify.h"
+#include "io/formats/las/las_schema.h"
+#include "io/points/reader.h"
+#include "io/points/writer.h"
+#include "stream/sort/ingest.h"
+#include "stream/store/store.h"
+#include "stream/store/verify.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/test_data.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "stream/project.h"
-#include "stream/scheduler.h"
+#include "stream/operators/project.h"
+#include "stream/passes/scheduler.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/cloud.h"
 #include "tests/support/test_data.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/morton.h"
-#include "stream/store.h"
+#include "stream/store/store.h"
 
 namespace pss::test {
 

@@ -9,8 +9,8 @@
 #include "core/projector.h"
 #include "core/shapes.h"
 #include "core/vec3.h"
-#include "io/synth.h"
-#include "stream/noise.h"
+#include "io/synth/synth.h"
+#include "stream/widths/noise.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/cloud.h"
 

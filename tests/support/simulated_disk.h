@@ -1,5 +1,6 @@
 #pragma once
-// A disk in memory that stands in for io/disk_posix.cpp: what a crash does to it can be chosen.
+// A disk in memory that stands in for io/file/disk_posix.cpp: what a crash does to it can be
+// chosen.
 //
 // The model: a file's bytes are durable after its sync, a directory's names after the sync of that
 // directory; until then a crash may do anything to them that crash() can. What was synced stays,
@@ -11,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "io/disk.h"
+#include "io/file/disk.h"
 
 namespace pss::test {
 
@@ -47,9 +48,9 @@ const char* name_of(Call call);
 inline constexpr int kShort = -1;
 using FaultAt = std::function<int(Call call, const std::string& path)>;
 
-/// The disk that io/disk.h leads to in this program; one at a time.
+/// The disk that io/file/disk.h leads to in this program; one at a time.
 ///
-/// Thread: calls of io/disk.h may come from any thread, those of this class from one.
+/// Thread: calls of io/file/disk.h may come from any thread, those of this class from one.
 class SimulatedDisk {
  public:
   SimulatedDisk();

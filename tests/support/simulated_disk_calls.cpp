@@ -1,4 +1,4 @@
-// The calls of io/disk.h, made to the simulated disk.
+// The calls of io/file/disk.h, made to the simulated disk.
 
 #include <cerrno>
 #include <mutex>

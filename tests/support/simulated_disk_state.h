@@ -236,7 +236,7 @@ struct SimulatedDisk::State {
   void restart(Crash crash, std::uint64_t seed);
 };
 
-/// What the calls of io/disk.h lead to: they know no object.
+/// What the calls of io/file/disk.h lead to: they know no object.
 SimulatedDisk::State& current_disk();
 
 }  // namespace pss::test

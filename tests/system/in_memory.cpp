@@ -20,9 +20,9 @@
 #include "core/morton.h"
 #include "core/parallel.h"
 #include "core/simd/targets.h"
-#include "io/reader.h"
-#include "io/writer.h"
-#include "stream/outputs.h"
+#include "io/points/reader.h"
+#include "io/points/writer.h"
+#include "stream/passes/outputs.h"
 
 namespace pss {
 namespace {

@@ -2,7 +2,8 @@
 #include <vector>
 
 #include "core/mls_surface.h"
-#include "stream/memory.h"
+#include "stream/jobs/smooth.h"
+#include "stream/limit/memory.h"
 
 int main() {
   std::vector<pss::World3> points;

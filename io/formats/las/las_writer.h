@@ -1,0 +1,23 @@
+#pragma once
+// Creates uncompressed LAS files, or carries an input's header, VLRs and EVLRs on.
+
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+#include "io/points/writer.h"
+
+namespace pss {
+
+/// Creates a LAS file. Attributes beyond its point format become extra bytes with their VLR.
+///
+/// With a carried LAS header everything of it is kept that the points and attributes allow; the
+/// point format and version rise only where an attribute or the count needs it, which notes() says.
+/// Errors: kUsage for a scale or offset that is no grid; kBadInput where the attributes do not fit;
+///         kFailed where the file cannot be created.
+Result<std::unique_ptr<Writer>> create_las(const std::string& path, WriteOptions options);
+
+/// The errors of create_las() but kFailed, without a file.
+Result<void> check_las(const std::string& path, WriteOptions options);
+
+}  // namespace pss

@@ -1,0 +1,52 @@
+#pragma once
+// Reads the points of one file in order, in bounded memory, whatever the format.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+#include "io/points/points.h"
+
+namespace pss {
+
+class Reader {
+ public:
+  virtual ~Reader() = default;
+
+  virtual const CloudHeader& header() const = 0;
+
+  /// Replaces `batch` by at most `max` following points; an empty batch means the end.
+  ///
+  /// Errors: kBadInput where the file is damaged or ends before the points it promised.
+  virtual Result<void> read(std::size_t max, PointBatch& batch) = 0;
+
+  /// read() in two steps, for those who decode on many threads: `out.count` is how many there are.
+  ///
+  /// What a format can only read in order is decoded here already. Errors: those of read().
+  virtual Result<void> fetch(std::size_t max, RawPoints& out) {
+    PSS_TRY(read(max, out.points));
+    out.count = out.points.size();
+    return {};
+  }
+  /// Makes the points that were fetched. Thread: any number at once, also beside fetch().
+  virtual void decode(RawPoints& /*raw*/) const {}
+
+  /// The next read starts at this record (0 is the first).
+  virtual Result<void> seek(std::uint64_t record) = 0;
+};
+
+/// Whether a reader holds the bytes that another file would carry on: of the first of many inputs
+/// they are wanted, of the others they would only add up.
+enum class HeadBytes : std::uint8_t { kKept, kLeft };
+
+/// Opens a file by its content, not its name.
+///
+/// Errors: kFailed where it cannot be opened, kBadInput where it is of no supported format.
+Result<std::unique_ptr<Reader>> open_reader(const std::string& path);
+
+/// The same. With kLeft the header's `carry` may be empty, and opening takes little memory, however
+/// large the file's head is; `carry_size` tells what it would hold.
+Result<std::unique_ptr<Reader>> open_reader_holding(HeadBytes bytes, const std::string& path);
+
+}  // namespace pss

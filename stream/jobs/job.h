@@ -1,0 +1,88 @@
+#pragma once
+// A job from its start to its end: what it may do with the places it was given, and what it leaves.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/monitor.h"
+#include "core/result.h"
+#include "io/file/output_file.h"
+#include "io/file/output_lock.h"
+#include "stream/jobs/job_record.h"
+#include "stream/jobs/work_directory.h"
+#include "stream/limit/memory.h"
+
+namespace pss {
+
+/// Where a job reads, works and writes, and what it may do to what is there.
+struct JobPlaces {
+  std::vector<std::string> inputs;
+  std::string output;
+  std::string work_dir;  ///< empty: OUTPUT.work, which is gone after success
+  /// Where it is remembered that OUTPUT is complete once OUTPUT.work is gone; empty: nowhere.
+  std::string state_folder;
+  bool overwrite = false;
+  bool restart = false;
+  bool keep_work = false;
+
+  std::string work_directory() const { return work_dir.empty() ? output + ".work" : work_dir; }
+};
+
+/// Refuses places that would endanger each other, before anything is made: an output or an input
+/// within the work directory, or the other way round, a work directory that is not pss's own, an
+/// input within a store that is to be replaced, a store's output on another disk than the work
+/// directory, from where it could not be renamed.
+///
+/// Errors: kUsage; those of check_work_directory().
+Result<void> check_places(const JobPlaces& places);
+
+/// A job that runs: it has the locks on OUTPUT and on its work directory.
+class Job {
+ public:
+  /// Finds out whether the job is new, to be resumed, complete, or another one; leaves its record.
+  ///
+  /// Errors: those of the locks and of check_places(); kFailed where OUTPUT exists and is not this
+  ///         job's, or the directory holds another job.
+  static Result<Job> enter(const JobPlaces& places, JobRecord record, Monitor& monitor);
+
+  bool complete() const { return complete_; }  ///< OUTPUT is there, as this job writes it
+  bool resumed() const { return resumed_; }
+  const JobRecord& record() const { return record_; }
+  /// Requires: not complete().
+  const WorkDirectory& work() const { return *work_; }
+
+  /// The rules by which OUTPUT is written as a file. Requires: this stays where it is meanwhile.
+  OutputRules output_rules();
+  /// Gives a finished store in the work directory the name OUTPUT.
+  Result<void> hand_over_store(const std::string& store);
+
+  /// After success: leaves OUTPUT, and what tells the same command that all is done.
+  Result<void> leave();
+  /// After a failure: leaves nothing where nothing was sorted; else what the same command goes on
+  /// with, or why it begins again, where an input has changed while it was read. Gives `why` back.
+  Error fail(Error why);
+
+ private:
+  Job(const JobPlaces& places, JobRecord record, OutputLock lock, Monitor& monitor);
+  Result<bool> is_complete();
+  Result<bool> has_content(const FileContent& content) const;
+  Result<void> put_back();
+  void note_changed_input();
+  Error with_remedy(Error why) const;
+  Result<void> check_output_name() const;
+  Result<void> open_work();
+  Result<void> check_rename() const;
+  Result<void> take_over(const JobRecord& before);
+  Result<void> replace_store(const std::string& store);
+  JobPlaces places_;
+  JobRecord record_;
+  OutputLock lock_;
+  std::optional<WorkDirectory> work_;
+  Monitor* monitor_;
+  bool complete_ = false;
+  bool entered_ = false;  ///< the work directory's record is this job's
+  bool resumed_ = false;
+};
+
+}  // namespace pss

@@ -1,0 +1,215 @@
+#include "stream/operators/project.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "core/neighbours.h"
+#include "core/parallel.h"
+#include "core/spares.h"
+
+namespace pss {
+namespace {
+
+constexpr int kMostRefinement = 256;
+
+/// The largest step count that a move of `length` can take on any axis.
+double steps(const Lattice& lattice, double length) {
+  return length / std::min({lattice.scale[0], lattice.scale[1], lattice.scale[2]});
+}
+
+}  // namespace
+
+Support narrowed(const Support& support, WeightKind weight, double width) {
+  if (reach(weight, support) <= width) return support;
+  const double beyond = reach(weight, support) - support.radius;
+  if (width - beyond >= support.h) return {support.h, width - beyond};
+  // The weight is at least as wide as its Gaussian: both shrink.
+  const double h = width / (weight == WeightKind::kPcl ? 1.0 : 1.5);
+  return {h, h};
+}
+
+Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double largest_move) {
+  double extent = 0;
+  for (std::size_t a = 0; a < 3 && !bounds.empty(); ++a)
+    extent = std::max({extent, std::abs(static_cast<double>(bounds.min[a])),
+                       std::abs(static_cast<double>(bounds.max[a]))});
+  extent += steps(source, largest_move) + 1;
+  int refinement = kMostRefinement;
+  while (refinement > 1 && extent * refinement > static_cast<double>(kLatticeMax)) refinement /= 2;
+  Lattice refined = source;
+  for (double& scale : refined.scale) scale /= refinement;
+  return refined;
+}
+
+Result<ProjectOperator> ProjectOperator::create(const Store& source,
+                                                const ProjectParameters& parameters) {
+  ProjectOperator op(source, parameters);
+  PSS_TRY(op.choose_columns(source.header().schema));
+  return op;
+}
+
+ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& parameters)
+    : parameters_(parameters),
+      source_lattice_(source.header().lattice),
+      source_ordered_(source.header().ordered),
+      exclusion_(Schema()),
+      header_(source.header()) {
+  if (!parameters.record.empty()) header_.parameters = parameters.record;
+  if (!parameters.only_normals) choose_lattice(source);
+}
+
+void ProjectOperator::choose_lattice(const Store& source) {
+  IndexBox bounds;
+  for (const TileInfo& tile : source.tiles()) bounds.add(tile.box);
+  // Floating-point input has a fine lattice already.
+  if (header_.grid) header_.lattice = refined_lattice(source_lattice_, bounds, largest_reach());
+  header_.ordered = false;
+  refinement_ = std::llrint(source_lattice_.scale[0] / header_.lattice.scale[0]);
+}
+
+Result<void> ProjectOperator::choose_columns(const Schema& source) {
+  if (needs_normals(parameters_.method.op)) {
+    needs_.normals = NormalColumns::given(source);
+    oriented_ = needs_.normals.has_value();
+    if (!oriented_) {
+      needs_.normals = NormalColumns::computed(source);
+      header_.schema = without_computed_normals(source);
+    }
+  }
+  PSS_ASSIGN(columns_, parameters_.only_normals
+                           ? OutputColumns::add_to(header_.schema, kNormals, kComputedPrefix)
+                           : OutputColumns::add_to(header_.schema, parameters_.outputs));
+  needs_.kept = columns_.kept();
+  needs_.row_size = header_.schema.row_size();
+  exclusion_ = Exclusion(header_.schema);  // looks at rows that have the outputs already
+  return {};
+}
+
+std::vector<ProjectOperator::Chunk> ProjectOperator::chunks_of(const Part& part) {
+  std::vector<Chunk> chunks;
+  std::size_t start = 0;
+  for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
+    const std::size_t end = start + part.block_counts[b];
+    while (start < end) {
+      const std::size_t next = std::min(start + kChunkPoints, end);
+      chunks.push_back({b, start, next - start});
+      start = next;
+    }
+  }
+  return chunks;
+}
+
+/// Ranges of chunks for one worker each: a place is asked for once, so copies of it stay together.
+std::vector<PointRange> ProjectOperator::tasks_of(const Part& part,
+                                                  const std::vector<Chunk>& chunks) {
+  std::vector<PointRange> tasks;
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    const std::size_t first = chunks[c].first;
+    if (c == 0 || part.own[first] != part.own[first - 1]) tasks.push_back({c, c});
+    tasks.back().end = c + 1;
+  }
+  return tasks;
+}
+
+/// One note a block, its chunks added up in row order whoever computed them.
+std::vector<std::vector<std::byte>> ProjectOperator::notes_of(
+    const Part& part, const std::vector<Chunk>& chunks,
+    const std::vector<ProjectStatistics>& statistics) {
+  std::vector<ProjectStatistics> blocks(part.block_counts.size());
+  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
+  std::vector<std::vector<std::byte>> notes;
+  for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
+  return notes;
+}
+
+std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& monitor) const {
+  const std::vector<Chunk> chunks = chunks_of(part);
+  const std::vector<PointRange> tasks = tasks_of(part, chunks);
+  std::vector<ProjectStatistics> statistics(chunks.size());
+  assert(!needs_normals(parameters_.method.op) || part.normals.size() == part.candidates.size());
+  if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, kSmallestReach);
+  Spares<Worker> workers;
+  parallel_for(tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    std::unique_ptr<Worker> worker = workers.take();
+    if (!worker)
+      worker = std::make_unique<Worker>(*part.grid, parameters_.method,
+                                        CloudNormals{part.normals, oriented_});
+    const std::size_t last = tasks[end - 1].end;
+    for (std::size_t c = tasks[begin].begin; c < last && !monitor.stopping(); ++c) {
+      statistics[c] = project(chunks[c], *worker, part);
+      monitor.advance(chunks[c].count);
+    }
+    workers.give(std::move(worker));
+  });
+  return notes_of(part, chunks, statistics);
+}
+
+ProjectStatistics ProjectOperator::project(const Chunk& chunk, Worker& worker, Part& part) const {
+  ProjectStatistics statistics;
+  fill(part, chunk.first, chunk.count, worker.batch);
+  worker.batch.project(worker.projector);
+  for (std::size_t i = 0; i < chunk.count; ++i) {
+    Projection projection = worker.batch.answer(i);
+    place(projection, part, chunk.first + i);
+    statistics.add(projection);
+  }
+  return statistics;
+}
+
+void ProjectOperator::fill(const Part& part, std::size_t first, std::size_t count,
+                           QueryBatch& batch) const {
+  batch.clear();
+  const double width = parameters_.buffer.value_or(std::numeric_limits<double>::infinity());
+  for (std::size_t i = first; i < first + count; ++i) {
+    const Support asked = parameters_.nearest ? part.supports[i] : parameters_.support;
+    const Support support = narrowed(asked, parameters_.method.weight, width);
+    if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()]))
+      batch.add(Status::kExcluded);
+    else if (support.radius <= 0)
+      batch.add(parameters_.nearest ? Status::kIsolated : Status::kTooFew);
+    else
+      batch.add(part.own[i], support);
+  }
+}
+
+void ProjectOperator::place(Projection& projection, Part& part, std::size_t i) const {
+  if (!parameters_.only_normals) part.own[i] = destination(projection, part.own[i]);
+  if (bytes_per_row() > 0) columns_.write(projection, &part.rows[i * bytes_per_row()]);
+}
+
+Index3 ProjectOperator::destination(Projection& projection, const Index3& own) const {
+  Index3 stays = own;
+  for (std::int64_t& coordinate : stays) coordinate *= refinement_;
+  if (!moved(projection.status)) return stays;
+  Index3 place = stays;
+  for (std::size_t a = 0; a < 3; ++a)
+    place[a] += std::llrint(projection.displacement[a] / header_.lattice.scale[a]);
+  if (representable(place)) return place;
+  projection.status = Status::kNotRepresentable;
+  projection.displacement = {};
+  return stays;
+}
+
+bool ProjectOperator::representable(const Index3& index) const {
+  if (!on_lattice(index)) return false;
+  if (!parameters_.grid) return true;
+  const World3 world = to_world(header_.lattice, index);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double steps_out = (world[a] - parameters_.grid->origin[a]) / parameters_.grid->scale[a];
+    if (!(std::abs(steps_out) < std::numeric_limits<std::int32_t>::max() - 1.0)) return false;
+  }
+  return true;
+}
+
+void ProjectOperator::merge_note(std::vector<std::byte>& tile,
+                                 std::span<const std::byte> block) const {
+  ProjectStatistics sum = ProjectStatistics::from_bytes(tile);
+  sum.add(ProjectStatistics::from_bytes(block));
+  tile = sum.to_bytes();
+}
+
+}  // namespace pss

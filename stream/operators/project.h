@@ -1,0 +1,128 @@
+#pragma once
+// The projection as an operator over tiles: support per point, new positions, outputs, statistics.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "core/projector.h"
+#include "stream/operators/project_statistics.h"
+#include "stream/operators/query_batch.h"
+#include "stream/passes/operator.h"
+#include "stream/passes/outputs.h"
+
+namespace pss {
+
+/// What a projection computes; the choices of a user made definite.
+struct ProjectParameters {
+  Method method;
+  Support support;         ///< of every query, unless `nearest` is set
+  int nearest = 0;         ///< the query owns its support: `factor` * distance to its k-th nearest
+  double factor = 1;       ///< radius / that distance; h follows from it and the method
+  double cap = 0;          ///< a k-th nearest farther than this leaves the query isolated
+  double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
+  OutputSet outputs = 0;
+  /// A first pass for operators that need normals: points stay, and their rows get these alone,
+  /// named with kComputedPrefix.
+  bool only_normals = false;
+  std::optional<Lattice> grid;  ///< the grid of the output file, whose int32 range limits places
+  /// Halo width by hand. Where it is less than a support needs, that support is narrowed.
+  std::optional<double> buffer;
+  std::string record;  ///< JSON for the result's header: what made it; the source's where empty
+};
+
+/// The support itself where its reach is at most `width`, otherwise one that reaches just so far.
+Support narrowed(const Support& support, WeightKind weight, double width);
+
+/// The lattice of a result: the source's, its step refined up to 256-fold as far as 42 bits and
+/// room for moves of `largest_move` allow.
+Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double largest_move);
+
+class ProjectOperator : public Operator {
+ public:
+  /// An operator that needs normals takes those of the source, given or computed; without any it
+  /// can tell what parts take, and be applied to none.
+  ///
+  /// Errors: kUsage where an attribute of the source stands in the way of an output.
+  static Result<ProjectOperator> create(const Store& source, const ProjectParameters& parameters);
+
+  const StoreHeader& result_header() const override { return header_; }
+  PartNeeds needs() const override { return needs_; }
+  std::vector<Surround> around(const PartPlan& plan) const override;
+  std::vector<Surround> around(const PartPlan& plan, const Part& part) const override;
+  Preparation prepare(Part& part) const override;
+  std::uint64_t bytes(const PartPlan& plan) const override;
+  std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
+  void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
+
+  /// How far the widest query may look.
+  double largest_reach() const;
+
+ private:
+  static constexpr std::size_t kChunkPoints = 1024;  ///< what one task computes
+  /// A cell grid wants some width, also where no point looks around.
+  static constexpr double kSmallestReach = std::numeric_limits<double>::min();
+
+  /// Consecutive own points of one block.
+  struct Chunk {
+    std::size_t block;
+    std::size_t first;
+    std::size_t count;
+  };
+  /// What a thread computes a chunk with.
+  struct Worker {
+    Worker(const CellGrid& grid, const Method& method, const CloudNormals& normals)
+        : projector(grid, method, normals) {}
+    Projector projector;
+    QueryBatch batch;
+  };
+  ProjectStatistics project(const Chunk& chunk, Worker& worker, Part& part) const;
+  static std::vector<Chunk> chunks_of(const Part& part);
+  static std::vector<PointRange> tasks_of(const Part& part, const std::vector<Chunk>& chunks);
+  static std::vector<std::vector<std::byte>> notes_of(
+      const Part& part, const std::vector<Chunk>& chunks,
+      const std::vector<ProjectStatistics>& statistics);
+
+  ProjectOperator(const Store& source, const ProjectParameters& parameters);
+  void choose_lattice(const Store& source);
+  Result<void> choose_columns(const Schema& source);
+  /// Memory of a candidate, and of the tasks that run at once.
+  std::uint64_t bytes_per_candidate() const;
+  std::uint64_t bytes_for_tasks(const PartPlan& plan) const;
+  /// The points of a ball that a part has room for.
+  static std::uint64_t reserved_ball(const PartPlan& plan);
+  /// How far to load around the part's blocks, where each point owns its support: a guess.
+  double first_reach() const;
+  /// A reach that holds what most points of a group need, from their neighbours in key order.
+  double guessed_reach(std::span<const Index3> own, const PointRange& group) const;
+  double grid_radius(const Part& part) const;
+  double reach_of_own(const Part& part, std::size_t i) const;
+  /// Fills the supports of a part from k-th distances; whether some need more than is loaded.
+  bool find_supports(Part& part) const;
+  void find_supports(Part& part, Surround& group) const;
+  /// The support of a point whose k-th neighbour lies at `distance`.
+  Support support_at(double distance) const;
+  /// How far a query with this support looks, and one with a typical support.
+  double reach_of(const Support& support) const;
+  double usual_reach() const;
+  std::size_t bytes_per_row() const { return header_.schema.row_size(); }
+  /// Fills the batch with the own points [first, first + count).
+  void fill(const Part& part, std::size_t first, std::size_t count, QueryBatch& batch) const;
+  /// Writes the outcome of own point i: place, outputs. The status may change to not representable.
+  void place(Projection& projection, Part& part, std::size_t i) const;
+  /// Where own point i goes, on the result's lattice; it stays where the output cannot hold that.
+  Index3 destination(Projection& projection, const Index3& own) const;
+  bool representable(const Index3& index) const;
+
+  ProjectParameters parameters_;
+  Lattice source_lattice_;
+  bool source_ordered_;
+  std::int64_t refinement_ = 1;
+  Exclusion exclusion_;
+  StoreHeader header_;
+  OutputColumns columns_;
+  PartNeeds needs_;
+  bool oriented_ = false;  ///< the normals of the source
+};
+
+}  // namespace pss

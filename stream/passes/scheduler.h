@@ -1,0 +1,56 @@
+#pragma once
+// Streams every tile of a store, with its halo, through an operator into a result store.
+
+#include <cstdint>
+#include <string>
+
+#include "core/monitor.h"
+#include "core/result.h"
+#include "stream/limit/memory.h"
+#include "stream/passes/operator.h"
+#include "stream/store/store.h"
+
+namespace pss {
+
+/// What the run did and what it waited for.
+struct ScheduleSummary {
+  std::uint64_t tiles = 0;          ///< done in this run
+  std::uint64_t resumed_tiles = 0;  ///< found done
+  std::uint64_t parts = 0;
+  std::uint64_t reloaded_parts = 0;  ///< times that candidates were loaded again, farther out
+  std::uint64_t own_points = 0;
+  std::uint64_t halo_points = 0;
+  double compute_seconds = 0;
+  double wait_seconds = 0;    ///< compute waiting, for any of the following
+  double wait_reading = 0;    ///< for a part to be loaded
+  double wait_memory = 0;     ///< for memory that finished parts held
+  double wait_commit = 0;     ///< for the last parts to be written
+  double load_seconds = 0;    ///< of the reader's thread
+  double encode_seconds = 0;  ///< of the committer's thread: compressing
+  double write_seconds = 0;   ///< and writing
+  double seconds = 0;
+};
+
+/// Runs `op` over all tiles of `source` that `result` does not have yet.
+///
+/// One part is computed by all threads while the next ones are loaded and the last are compressed
+/// and written; a part is admitted only when its whole memory fits in the budget, and a tile that
+/// does not fit is done in parts. The rows are the same however tiles are cut into parts.
+///
+/// Errors: kMemoryLimit where a single block with its halo does not fit, with place, density and
+///         the limit that would do; kInterrupted when the monitor stops: `result` is resumable.
+Result<ScheduleSummary> run_operator(const Store& source, const Operator& op, StoreWriter& result,
+                                     MemoryBudget& budget, Monitor& monitor);
+
+/// What run_operator would do, from the block indexes alone.
+struct ScheduleEstimate {
+  std::uint64_t tiles = 0;
+  std::uint64_t parts = 0;
+  std::uint64_t own_points = 0;
+  std::uint64_t halo_points = 0;  ///< at most: whole blocks are counted
+  std::uint64_t peak_bytes = 0;   ///< of parts in flight
+};
+Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& op,
+                                           MemoryBudget& budget);
+
+}  // namespace pss

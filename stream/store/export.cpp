@@ -1,0 +1,149 @@
+#include "stream/store/export.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "io/inputs.h"
+#include "io/points/writer.h"
+
+namespace pss {
+namespace {
+
+/// The part of the int32 range that a chosen grid fills at most.
+constexpr double kUsableSteps = 2.0e9;
+
+double power_of_ten(int exponent) {
+  double power = 1;
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
+  return exponent < 0 ? 1 / power : power;
+}
+
+/// The finest power of ten that holds `half` steps to either side.
+double finest_scale(double half) {
+  int exponent = -12;
+  while (half / power_of_ten(exponent) > kUsableSteps && exponent < 300) ++exponent;
+  return power_of_ten(exponent);
+}
+
+/// A grid about the centre of `bounds`: offset in whole units, the finest decimal scale that fits.
+Lattice chosen_grid(const WorldBox& bounds, double margin) {
+  Lattice grid;
+  double half = 0;
+  for (std::size_t a = 0; a < 3 && !bounds.empty(); ++a) {
+    grid.origin[a] = std::nearbyint(bounds.min[a] / 2 + bounds.max[a] / 2);
+    half = std::max({half, bounds.max[a] - grid.origin[a], grid.origin[a] - bounds.min[a]});
+  }
+  const double scale = finest_scale(half + margin);
+  grid.scale = {scale, scale, scale};
+  return grid;
+}
+
+WriteOptions write_options(const Store& store, Format format, const ExportOptions& options) {
+  const StoreHeader& header = store.header();
+  WriteOptions write;
+  write.format = format;
+  write.schema = header.schema;
+  write.grid = header.lattice;
+  write.count = store.points();
+  write.carry = header.carry;
+  write.bounds = world_bounds_of(store);
+  write.rules = options.rules;
+  // Positions that came as floating point are known to half a step of their lattice.
+  if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
+  const auto grid = export_grid(header, *write.bounds, 0, format, options);
+  if (grid) {
+    write.scale = grid->scale;
+    write.offset = grid->origin;
+  }
+  return write;
+}
+
+/// Copies one block of a store to a writer.
+Result<void> write_block(const Store& store, const TileInfo& tile, const BlockInfo& block,
+                         PointBatch& batch, Writer& writer) {
+  batch.first_record = block.first_row;
+  batch.index.resize(block.count);
+  batch.rows.resize(block.count * store.header().schema.row_size());
+  PSS_TRY(store.read_positions(tile, block, batch.index));
+  PSS_TRY(store.read_rows(tile, block, batch.rows));
+  return writer.write(batch);
+}
+
+}  // namespace
+
+IndexBox bounds_of(const Store& store) {
+  IndexBox bounds;
+  for (const TileInfo& tile : store.tiles()) bounds.add(tile.box);
+  return bounds;
+}
+
+WorldBox world_bounds_of(const Store& store) {
+  const IndexBox bounds = bounds_of(store);
+  WorldBox world;
+  if (bounds.empty()) return world;
+  world.add(to_world(store.header().lattice, bounds.min));
+  world.add(to_world(store.header().lattice, bounds.max));
+  return world;
+}
+
+bool chooses_scale(const StoreHeader& header, const ExportOptions& options) {
+  return !options.scale && (options.scale_auto || !header.grid);
+}
+
+std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
+                                   Format format, const ExportOptions& options) {
+  if (format != Format::kLas) return std::nullopt;
+  Lattice grid = header.grid && !options.scale_auto ? *header.grid : chosen_grid(bounds, margin);
+  if (options.scale) grid.scale = *options.scale;
+  if (options.offset) grid.origin = *options.offset;
+  return grid;
+}
+
+std::uint64_t export_memory(std::size_t row_size, std::uint64_t points) {
+  return 4 * std::min<std::uint64_t>(points, kBlockPoints) * (64 + 2 * row_size);
+}
+
+Result<ExportSummary> export_store(const Store& store, const std::string& output,
+                                   const ExportOptions& options, MemoryBudget& budget,
+                                   Monitor& monitor) {
+  if (!store.complete())
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: the store is not complete; run the command that makes it again",
+                             store.path())};
+  const std::size_t row = store.header().schema.row_size();
+  PSS_ASSIGN(const Reservation memory,
+             budget.take(export_memory(row, store.points()),
+                         fmt::format("{}: writing rows of {} bytes", store.path(), row)));
+  PSS_TRY(check_output(std::array{store.path()}, output));
+  PSS_ASSIGN(const Format format, format_for(output));
+  PSS_TRY(check_grid_options(output, format, options.scale || options.scale_auto,
+                             options.offset.has_value()));
+  std::string note;
+  if (!options.checked) {
+    PSS_ASSIGN(note, check_export(store, 0, format, options, monitor));
+  }
+  PSS_ASSIGN(const std::unique_ptr<Writer> writer,
+             create_writer(output, write_options(store, format, options)));
+  monitor.begin("write", store.points(), store.tiles().size());
+  PointBatch batch;
+  for (std::size_t t = 0; t < store.tiles().size(); ++t) {
+    PSS_ASSIGN(const std::vector<BlockInfo> index, store.read_index(t));
+    for (const BlockInfo& block : index) {
+      if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
+      PSS_TRY(write_block(store, store.tiles()[t], block, batch, *writer));
+      monitor.advance(block.count);
+    }
+    monitor.advance(0, 1);
+  }
+  PSS_TRY(writer->finish());
+  ExportSummary summary{store.points(), writer->grid(), writer->notes()};
+  if (!note.empty()) summary.notes.push_back(std::move(note));
+  return summary;
+}
+
+}  // namespace pss

@@ -1,0 +1,90 @@
+#include "stream/store/input_memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "io/file/file.h"
+#include "io/points/reader.h"
+#include "stream/store/log.h"
+
+namespace pss {
+namespace {
+
+/// Of an input, as a name, a fingerprint, what is kept of its header, and JSON; and of its path, so
+/// many copies. Measured: 2.4 KB for a path of 110 bytes.
+constexpr std::uint64_t kInputBytes = 1600;
+constexpr std::uint64_t kPathCopies = 8;
+constexpr std::uint64_t kMiB = 1u << 20;
+
+std::uint64_t memory_of_names(const std::vector<std::string>& inputs) {
+  std::uint64_t bytes = 0;
+  for (const std::string& input : inputs) bytes += kInputBytes + kPathCopies * input.size();
+  return bytes;
+}
+
+std::uint64_t mib(std::uint64_t bytes) { return (bytes + kMiB - 1) / kMiB; }
+
+/// What is asked of the limit before the first head is read.
+struct Asked {
+  std::uint64_t names = 0;
+  std::uint64_t head = 0;  ///< all copies of it
+  std::uint64_t work = 0;
+
+  std::uint64_t held() const { return names + head; }
+};
+
+/// A limit that is only just enough for a head would leave the work little room; one that leaves it
+/// what the smallest limit leaves runs what that runs.
+Error refusal(const std::vector<std::string>& inputs, const Asked& asked,
+              const MemoryBudget& budget) {
+  const std::uint64_t left = budget.available();
+  const std::uint64_t most = asked.held() + std::max(asked.work, budget.usual());
+  return {
+      Fault::kMemoryLimit,
+      fmt::format("{}: the names of {} inputs take {} MiB of memory, {} copies of this one's "
+                  "head {} MiB, and the work at least {} MiB, but the limit leaves {} MiB; use "
+                  "--memory-limit {}M or more",
+                  inputs.front(), inputs.size(), mib(asked.names), kHeaderCopies, mib(asked.head),
+                  mib(asked.work), left / kMiB, sufficient_mib(budget.limit(), left, most))};
+}
+
+}  // namespace
+
+Result<Reservation> reserve_inputs(const std::vector<std::string>& inputs, const LeastMemory& least,
+                                   MemoryBudget& budget) {
+  PSS_ASSIGN(const std::unique_ptr<Reader> first,
+             open_reader_holding(HeadBytes::kLeft, inputs.front()));
+  const CloudHeader& cloud = first->header();
+  StoreHeader header;
+  header.schema = cloud.schema;
+  Asked asked;
+  asked.names = memory_of_names(inputs);
+  asked.head = kHeaderCopies * (cloud.carry_size + cloud.crs.size());
+  // Of the first alone: how many points the others have is known, and asked for, once all are
+  // opened.
+  asked.work = least(header, cloud.count.value_or(0));
+  if (asked.held() + asked.work > budget.available()) return refusal(inputs, asked, budget);
+  return budget.take(asked.held(), inputs.front());
+}
+
+Result<void> check_least(const StoreHeader& header, std::uint64_t points, const LeastMemory& least,
+                         const MemoryBudget& budget) {
+  const std::uint64_t work = least(header, points);
+  if (work <= budget.available()) return {};
+  return budget.refusal(fmt::format("the work on rows of {} bytes", header.schema.row_size()),
+                        work);
+}
+
+Result<Reservation> reserve_header(const std::string& store, MemoryBudget& budget) {
+  if (!is_store(store)) return Reservation();  // whoever opens it says why not
+  const std::string manifest = manifest_path(store);
+  PSS_ASSIGN(const std::uint64_t size,
+             first_record_size(exists(manifest) ? manifest : open_manifest_path(store)));
+  const std::uint64_t bytes = kHeaderCopies * size;
+  if (auto reservation = budget.reserve(bytes)) return *std::move(reservation);
+  return budget.refusal(fmt::format("{}: the header with its work", store), bytes + budget.usual());
+}
+
+}  // namespace pss

@@ -1,0 +1,110 @@
+#pragma once
+// What a store says of itself: the typed records of its manifest, and their bytes.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/lattice.h"
+#include "core/morton.h"
+#include "core/result.h"
+#include "io/file/fingerprint.h"
+#include "io/points/points.h"
+#include "io/points/schema.h"
+#include "stream/store/log.h"
+
+namespace pss {
+
+inline constexpr std::uint32_t kTilePoints = 1u << 18;  ///< a tile owns at most so many points
+/// A row has at most so many bytes; a file that claims more is refused.
+inline constexpr std::size_t kMaxRowSize = 1 << 16;
+
+/// What is known before the first tile: the manifest's first record.
+struct StoreHeader {
+  Lattice lattice;
+  Schema schema;
+  std::uint32_t tile_points = kTilePoints;
+  bool ordered =
+      true;  ///< rows in key order; false for results, whose rows keep their source's order
+  std::optional<Lattice> grid;  ///< scale and offset that a LAS file written from this gets
+  Carry carry;                  ///< header of the first input, for a file of the same format
+  Format source_format = Format::kLas;
+  std::string crs;
+  std::vector<InputRecord> inputs;
+  std::string parameters;  ///< JSON: what made the rows, beyond the inputs
+
+  bool operator==(const StoreHeader&) const = default;
+};
+/// A job has so many headers at once, bytes of them counted as one: the store that is read, the
+/// operator's for the result, and the bytes that are written to the result's log, read from a log,
+/// or made by a writer whose points need another LAS head.
+inline constexpr std::uint64_t kHeaderCopies = 3;
+
+/// What a header's names and carried bytes hold, with the copies that a job has of them.
+std::uint64_t memory_of(const StoreHeader& header);
+
+/// What a tile's manifest record says.
+struct TileInfo {
+  Cell cell;
+  std::uint64_t first_row = 0;
+  std::uint64_t count = 0;
+  IndexBox box;  ///< measured over its rows; those of a result may leave the cell
+  std::uint32_t blocks = 0;
+  std::uint32_t segment = 0;
+  std::uint64_t offset = 0;  ///< of its first block in the segment
+  std::uint64_t size = 0;    ///< blocks and block index together
+  std::uint32_t index_size = 0;
+  std::uint64_t index_hash = 0;
+  std::vector<std::byte> note;  ///< of whoever wrote the tile: an operator's statistics
+};
+
+enum class RecordType : std::uint32_t { kHeader = 1, kTile = 2, kEnd = 3 };
+
+/// The version of the format that this program writes and reads.
+inline constexpr std::uint32_t kStoreVersion = 1;
+
+std::vector<std::byte> encode_header(const StoreHeader& header);
+/// Whether these bytes are those of encode_header(header). Allocates nothing.
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload);
+/// Errors: kBadInput where a header's record is of another version of the format.
+Result<void> check_version(const std::string& path, std::span<const std::byte> payload);
+/// The header of a record at `offset` of the manifest `path`. Errors: kBadInput.
+Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
+                                  std::span<const std::byte> payload);
+std::vector<std::byte> encode_tile(const TileInfo& tile);  ///< without first_row, which follows
+std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points,
+                                  const std::string& summary);
+
+/// Bytes of a block's entry in a tile's index.
+std::size_t index_entry_size(const Schema& schema);
+
+/// Everything a manifest holds, built record by record.
+struct Manifest {
+  StoreHeader header;
+  std::vector<TileInfo> tiles;
+  bool complete = false;
+  std::string summary;
+  bool has_header = false;
+
+  std::uint64_t points() const;
+  /// Checks a record against what came before it and takes it in.
+  ///
+  /// Errors: kBadInput with `path` and the record's offset.
+  Result<void> add(const std::string& path, const LogRecord& record);
+};
+
+// The names inside a store's directory. A finished manifest gets its final name, and only that may
+// not have a torn tail.
+std::string manifest_path(const std::string& store);
+std::string open_manifest_path(const std::string& store);
+std::string segment_path(const std::string& store, std::uint32_t number);
+
+/// Whether a directory is a store, finished or not, by the name of its manifest.
+bool is_store(const std::string& path);
+/// The same by the manifest's content: its first record is the header of a store.
+bool has_manifest(const std::string& path);
+
+}  // namespace pss

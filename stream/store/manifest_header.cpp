@@ -1,0 +1,241 @@
+// The bytes of a manifest's first record.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "stream/store/bytes.h"
+#include "stream/store/manifest.h"
+
+namespace pss {
+namespace {
+
+/// What a string holds beside its bytes, rounding by the allocator among it.
+constexpr std::uint64_t kStringBytes = 24;
+
+/// Values as ByteWriter writes them; `Take` gets the bytes, to keep, count or compare them.
+template <class Take>
+class Encoder {
+ public:
+  explicit Encoder(Take take) : take_(std::move(take)) {}
+
+  template <class T>
+  requires std::is_arithmetic_v<T>
+  void put(T value) { take_(std::as_bytes(std::span(&value, 1))); }
+
+  void bytes(std::span<const std::byte> bytes) {
+    put(static_cast<std::uint32_t>(bytes.size()));
+    take_(bytes);
+  }
+  void text(std::string_view text) { bytes(std::as_bytes(std::span(text))); }
+
+ private:
+  Take take_;
+};
+
+template <class Writer>
+void put(Writer& w, const Lattice& lattice) {
+  for (const double s : lattice.scale) w.put(s);
+  for (const double o : lattice.origin) w.put(o);
+}
+
+Lattice get_lattice(ByteReader& r) {
+  Lattice lattice;
+  for (double& s : lattice.scale) s = r.get<double>();
+  for (double& o : lattice.origin) o = r.get<double>();
+  for (const double s : lattice.scale)
+    if (!(s > 0) || !std::isfinite(s)) r.fail();
+  for (const double o : lattice.origin)
+    if (!std::isfinite(o)) r.fail();
+  return lattice;
+}
+
+template <class Writer>
+void put(Writer& w, const Field& field) {
+  w.text(field.name);
+  w.put(static_cast<std::uint8_t>(field.type));
+  w.put(field.count);
+  w.put(field.scale);
+  w.put(field.offset);
+  w.put(static_cast<std::uint32_t>(field.bits.size()));
+  for (const BitField& bits : field.bits) {
+    w.text(bits.name);
+    w.put(bits.shift);
+    w.put(bits.width);
+  }
+}
+
+Field get_field(ByteReader& r) {
+  Field field;
+  field.name = r.text();
+  const auto type = r.get<std::uint8_t>();
+  if (type > static_cast<std::uint8_t>(Type::kFloat64)) return r.fail(), field;
+  field.type = static_cast<Type>(type);
+  field.count = r.get<std::uint32_t>();
+  if (field.count == 0 || field.count > kMaxRowSize) return r.fail(), field;
+  field.scale = r.get<double>();
+  field.offset = r.get<double>();
+  const std::size_t bits = r.count(6);
+  for (std::size_t i = 0; i < bits && r.ok(); ++i) {
+    BitField& b = field.bits.emplace_back();
+    b.name = r.text();
+    b.shift = r.get<std::uint8_t>();
+    b.width = r.get<std::uint8_t>();
+    if (b.width == 0 || b.shift + b.width > 8 * size_of(field.type) || is_float(field.type))
+      r.fail();
+  }
+  return field;
+}
+
+template <class Writer>
+void put(Writer& w, const Schema& schema) {
+  w.put(static_cast<std::uint32_t>(schema.fields().size()));
+  for (const Field& field : schema.fields()) put(w, field);
+}
+
+Schema get_schema(ByteReader& r) {
+  const std::size_t count = r.count(29);
+  std::vector<Field> fields;
+  std::size_t row_size = 0;
+  for (std::size_t i = 0; i < count && r.ok(); ++i) {
+    fields.push_back(get_field(r));
+    row_size += fields.back().size();
+    if (row_size > kMaxRowSize) r.fail();
+  }
+  return r.ok() ? Schema(std::move(fields)) : Schema();
+}
+
+template <class Writer>
+void put(Writer& w, const Carry& carry) {
+  w.put(static_cast<std::uint8_t>(carry.format));
+  w.bytes(carry.head);
+  w.bytes(carry.tail);
+}
+
+Format get_format(ByteReader& r) {
+  const auto format = r.get<std::uint8_t>();
+  if (format > static_cast<std::uint8_t>(Format::kText)) return r.fail(), Format::kLas;
+  return static_cast<Format>(format);
+}
+
+std::vector<std::byte> get_bytes(ByteReader& r) {
+  const auto bytes = r.bytes();
+  return {bytes.begin(), bytes.end()};
+}
+
+Carry get_carry(ByteReader& r) {
+  Carry carry;
+  carry.format = get_format(r);
+  carry.head = get_bytes(r);
+  carry.tail = get_bytes(r);
+  return carry;
+}
+
+template <class Writer>
+void put(Writer& w, const InputRecord& input) {
+  w.text(input.path);
+  w.put(input.size);
+  w.put(input.modified_ns);
+  w.put(input.content_hash);
+}
+
+InputRecord get_input(ByteReader& r) {
+  InputRecord input;
+  input.path = r.text();
+  input.size = r.get<std::uint64_t>();
+  input.modified_ns = r.get<std::int64_t>();
+  input.content_hash = r.get<std::uint64_t>();
+  return input;
+}
+
+/// After the format version.
+StoreHeader get_header(ByteReader& r) {
+  StoreHeader h;
+  h.lattice = get_lattice(r);
+  h.schema = get_schema(r);
+  h.tile_points = r.get<std::uint32_t>();
+  if (h.tile_points == 0) r.fail();
+  h.ordered = r.get<std::uint8_t>() != 0;
+  if (r.get<std::uint8_t>() != 0) h.grid = get_lattice(r);
+  h.carry = get_carry(r);
+  h.source_format = get_format(r);
+  h.crs = r.text();
+  const std::size_t inputs = r.count(28);
+  h.inputs.reserve(inputs);
+  for (std::size_t i = 0; i < inputs && r.ok(); ++i) h.inputs.push_back(get_input(r));
+  h.parameters = r.text();
+  return h;
+}
+
+template <class Take>
+void encode(const StoreHeader& header, Take take) {
+  Encoder w(std::move(take));
+  w.put(kStoreVersion);
+  put(w, header.lattice);
+  put(w, header.schema);
+  w.put(header.tile_points);
+  w.template put<std::uint8_t>(header.ordered);
+  w.template put<std::uint8_t>(header.grid.has_value());
+  if (header.grid) put(w, *header.grid);
+  put(w, header.carry);
+  w.put(static_cast<std::uint8_t>(header.source_format));
+  w.text(header.crs);
+  w.put(static_cast<std::uint32_t>(header.inputs.size()));
+  for (const InputRecord& input : header.inputs) put(w, input);
+  w.text(header.parameters);
+}
+
+}  // namespace
+
+std::uint64_t memory_of(const StoreHeader& header) {
+  std::uint64_t bytes = header.carry.head.size() + header.carry.tail.size() + header.crs.size() +
+                        header.parameters.size();
+  for (const InputRecord& input : header.inputs)
+    bytes += sizeof(InputRecord) + input.path.size() + kStringBytes;
+  return kHeaderCopies * bytes;
+}
+
+std::vector<std::byte> encode_header(const StoreHeader& header) {
+  using Bytes = std::span<const std::byte>;
+  std::size_t size = 0;
+  encode(header, [&size](Bytes bytes) { size += bytes.size(); });
+  std::vector<std::byte> out;
+  out.reserve(size);  // growing would hold it thrice
+  ByteWriter writer(out);
+  encode(header, [&writer](Bytes bytes) { writer.raw(bytes); });
+  return out;
+}
+
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload) {
+  bool equal = true;
+  encode(header, [&](std::span<const std::byte> bytes) {
+    equal = equal && bytes.size() <= payload.size() &&
+            std::ranges::equal(bytes, payload.first(bytes.size()));
+    payload = payload.subspan(equal ? bytes.size() : 0);
+  });
+  return equal && payload.empty();
+}
+
+Result<void> check_version(const std::string& path, std::span<const std::byte> payload) {
+  const auto version = ByteReader(payload).get<std::uint32_t>();
+  if (version == kStoreVersion) return {};
+  return Error{Fault::kBadInput,
+               fmt::format("{}: store format version {} found, this program reads version {}; "
+                           "make the store anew from its inputs",
+                           path, version, kStoreVersion)};
+}
+
+Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
+                                  std::span<const std::byte> payload) {
+  PSS_TRY(check_version(path, payload));
+  ByteReader reader(payload.subspan(sizeof(kStoreVersion)));
+  StoreHeader header = get_header(reader);
+  if (!reader.finished())
+    return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the header record makes "
+                                               "no sense",
+                                               path, offset)};
+  return header;
+}
+
+}  // namespace pss
