@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <regex>
 #include <sstream>
 #include <string>
 
@@ -12,20 +11,11 @@
 #include "io/formats/las/las_grid.h"
 #include "tests/io/formats/las/las_bytes.h"
 #include "tests/io/point_files.h"
+#include "tests/support/named_numbers.h"
 #include "tests/support/test_data.h"
 
 namespace pss::test {
 namespace {
-
-/// The numbers behind an option in a message.
-std::vector<double> named(const std::string& message, const std::string& option) {
-  std::smatch found;
-  if (!std::regex_search(message, found, std::regex(option + "=([^ ;]+)"))) return {};
-  std::vector<double> numbers;
-  std::stringstream list(found[1]);
-  for (std::string number; std::getline(list, number, ',');) numbers.push_back(std::stod(number));
-  return numbers;
-}
 
 World3 triple(const std::vector<double>& v) {
   return v.size() == 1 ? World3{v[0], v[0], v[0]} : World3{v.at(0), v.at(1), v.at(2)};
@@ -86,7 +76,7 @@ TEST_F(FarPointsInFiles, TheNamedBoxLeavesTheFarPointOutAndCountsIt) {
     std::filesystem::remove(directory_ / "out.las");
     const std::string scan =
         input("a.xyz", "nan 0 0\n" + unit_grid() + "0 " + std::string(far) + " 0\n");
-    const std::vector<double> box = named(refusal({scan}), "--drop-outside");
+    const std::vector<double> box = named_numbers(refusal({scan}), "--drop-outside");
     ASSERT_EQ(box.size(), 6u);
     ConvertOptions options;
     options.drop_outside = WorldBox{{box[0], box[1], box[2]}, {box[3], box[4], box[5]}};
@@ -131,8 +121,8 @@ TEST_F(FarPointsInFiles, AScaleThatCannotHoldThePointsIsRefusedWithOneThatDoes) 
 
     const std::string message = refusal({file}, options);
 
-    options.scale = triple(named(message, "--scale"));
-    options.offset = triple(named(message, "--offset"));
+    options.scale = triple(named_numbers(message, "--scale"));
+    options.offset = triple(named_numbers(message, "--offset"));
     EXPECT_TRUE(run({file}, options)) << message;
   }
 }
@@ -144,8 +134,8 @@ TEST_F(FarPointsInFiles, AnOffsetThatIsTooFarIsRefusedWithOneThatDoes) {
 
   const std::string message = refusal({scan}, options);
 
-  EXPECT_TRUE(named(message, "--scale").empty()) << message;
-  options.offset = triple(named(message, "--offset"));
+  EXPECT_TRUE(named_numbers(message, "--scale").empty()) << message;
+  options.offset = triple(named_numbers(message, "--offset"));
   EXPECT_TRUE(run({scan}, options)) << message;
   EXPECT_EQ(written().grid->scale, (World3{0.01, 0.01, 0.01}));
 }
@@ -173,9 +163,9 @@ TEST(LasGrid, TheNamedGridHoldsAnyBounds) {
       const auto checked = check_las_grid("a", grid, bounds, bounds);
       ASSERT_FALSE(checked) << side;
 
-      const std::vector<double> scale = named(checked.error().message, "--scale");
+      const std::vector<double> scale = named_numbers(checked.error().message, "--scale");
       if (!scale.empty()) grid.scale = triple(scale);
-      grid.origin = triple(named(checked.error().message, "--offset"));
+      grid.origin = triple(named_numbers(checked.error().message, "--offset"));
 
       EXPECT_TRUE(las_grid_holds(grid, bounds)) << checked.error().message;
     }

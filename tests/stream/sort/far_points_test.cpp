@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <regex>
 #include <string>
 
 #include "stream/sort/ingest.h"
 #include "stream/store/export.h"
 #include "tests/stream/ingest_fixture.h"
+#include "tests/support/named_numbers.h"
 
 namespace pss {
 namespace {
@@ -53,12 +53,9 @@ class FarPoints : public testing::Test {
 
 /// The box that a message names.
 WorldBox named_box(const std::string& message) {
-  std::smatch found;
-  const std::string number = "(-?[0-9.e+-]+)";
-  std::regex box("--drop-outside=" + number + "," + number + "," + number + "," + number + "," +
-                 number + "," + number);
-  EXPECT_TRUE(std::regex_search(message, found, box)) << message;
-  const auto at = [&](std::size_t i) { return std::stod(found[i]); };
+  const std::vector<double> box = test::named_numbers(message, "--drop-outside");
+  EXPECT_EQ(box.size(), 6u) << message;
+  const auto at = [&](std::size_t i) { return box.at(i - 1); };
   return {{at(1), at(2), at(3)}, {at(4), at(5), at(6)}};
 }
 
