@@ -8,6 +8,7 @@
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "core/parallel.h"
+#include "io/file/fingerprint.h"
 #include "io/inputs.h"
 #include "stream/store/input_memory.h"
 #include "stream/store/store.h"
@@ -40,8 +41,11 @@ class Export : public Command {
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
+    const auto manifest = fingerprint(manifest_path(store_));
     PSS_ASSIGN(const Reservation header, reserve_header(store_, budget));
     PSS_ASSIGN(const Store store, Store::open(store_));
+    // The header that was reserved must be that of the store that is read.
+    if (manifest) PSS_TRY(check_unchanged(*manifest));
     const ExportOptions options{.scale = grid_.scale.steps,
                                 .scale_auto = grid_.scale.automatic,
                                 .offset = grid_.offset,
