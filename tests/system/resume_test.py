@@ -93,24 +93,27 @@ class Resume(ResumeTest):
         harness.finish(job)
         self.ok(*self.words(self.out))
 
+    def slow(self, *more):
+        """One thread and many neighbours: the job is in its tiles for seconds."""
+        return self.words(self.out, "--threads", 1, *more, spacings=25)
+
     def interrupt_with_tiles(self):
         """A job that has computed tiles: before the first one any other parameters would do."""
-        job, work = self.start_and_wait_for_tiles(), self.path("out.las.work")
+        job, work = self.start_and_wait_for_tiles(self.slow()), self.path("out.las.work")
         for _ in range(20):
             time.sleep(0.1)
             harness.signal_to(job, signal.SIGTERM)
             self.assertEqual(harness.finish(job).code, INTERRUPTED)
             if not re.search(r"tiles_done +0\n", self.ok("info", work).out):
                 return
-            job = harness.start(*self.words(self.out))
+            job = harness.start(*self.slow())
         self.fail("no tile was computed")
 
     def test_other_parameters_or_inputs_are_refused_by_name_until_restart(self):
         self.interrupt_with_tiles()
-        self.refused(FAILED, *self.words(self.out, "--degree", "1"),
-                     says=["polynomial-order", "--restart"])
+        self.refused(FAILED, *self.slow("--degree", "1"), says=["polynomial-order", "--restart"])
         os.utime(self.scan, ns=(1, 1))
-        self.refused(FAILED, *self.words(self.out), says=["scan.las", "--restart"])
+        self.refused(FAILED, *self.slow(), says=["scan.las", "--restart"])
         self.ok(*self.words(self.out, "--degree", "1", "--restart"))
 
     def test_a_job_killed_while_it_computes_normals_goes_on_with_the_same_bytes(self):
