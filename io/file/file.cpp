@@ -4,20 +4,17 @@
 
 #include <cerrno>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "io/file/disk.h"
+#include "io/file/disk_failure.h"
 
 namespace pss {
 namespace {
 
 constexpr std::uint64_t kLargestOffset = std::numeric_limits<std::int64_t>::max();
 
-Error failure(std::string_view what, const std::string& path, disk::Outcome outcome) {
-  const std::error_code code(static_cast<int>(-outcome), std::generic_category());
-  return {Fault::kFailed, fmt::format("{}: cannot {}: {}", path, what, code.message())};
-}
+using disk::failure;
 
 disk::Outcome open_descriptor(const std::string& path, disk::Open how) {
   return disk::uninterrupted([&] { return disk::open(path, how); });
@@ -178,12 +175,13 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
 std::string replacement_of(const std::string& path) { return path + ".new"; }
 
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes) {
-  return replace_file(path, {bytes});
+  return replace_file(path, {bytes}, replacement_of(path));
 }
 
 Result<void> replace_file(const std::string& path,
-                          std::initializer_list<std::span<const std::byte>> pieces) {
-  PSS_ASSIGN(File file, File::create_anew(replacement_of(path)));
+                          std::initializer_list<std::span<const std::byte>> pieces,
+                          const std::string& temporary) {
+  PSS_ASSIGN(File file, File::create_anew(temporary));
   std::uint64_t size = 0;
   for (const std::span<const std::byte> piece : pieces) {
     PSS_TRY(file.write(size, piece));

@@ -114,9 +114,10 @@ Result<std::vector<std::byte>> read_whole(const std::string& path, std::uint64_t
 /// Writes a whole small file in a folder of pss's own: a new one beside it, synced, then renamed
 /// over it.
 Result<void> replace_file(const std::string& path, std::span<const std::byte> bytes);
-/// The same of bytes that lie in several places.
+/// The same of bytes that lie in several places, and with another name for the new one until then.
 Result<void> replace_file(const std::string& path,
-                          std::initializer_list<std::span<const std::byte>> pieces);
+                          std::initializer_list<std::span<const std::byte>> pieces,
+                          const std::string& temporary);
 /// The name of that new one until then.
 std::string replacement_of(const std::string& path);
 

@@ -55,7 +55,7 @@ Result<OutputFile> OutputFile::create(const std::string& path, const OutputRules
 Result<void> OutputFile::append(std::span<const std::byte> bytes) {
   if (buffer_.size() + bytes.size() > kBufferSize) PSS_TRY(flush());
   position_ += bytes.size();
-  if (bytes.size() > kBufferSize) return write_through(bytes);
+  if (bytes.size() > kBufferSize) return write_through(position_ - bytes.size(), bytes);
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   return {};
 }
@@ -71,14 +71,14 @@ Result<void> OutputFile::patch(std::uint64_t offset, std::span<const std::byte> 
   return file_.write(offset, bytes);
 }
 
-Result<void> OutputFile::write_through(std::span<const std::byte> bytes) {
-  PSS_TRY(file_.write(hasher_.size(), bytes));
-  hasher_.append(bytes);
+Result<void> OutputFile::write_through(std::uint64_t offset, std::span<const std::byte> bytes) {
+  PSS_TRY(file_.write(offset, bytes));
+  if (rules_.before_rename) hasher_.append(bytes);  // nobody else asks
   return {};
 }
 
 Result<void> OutputFile::flush() {
-  PSS_TRY(write_through(buffer_));
+  PSS_TRY(write_through(position_ - buffer_.size(), buffer_));
   buffer_.clear();
   return {};
 }

@@ -62,7 +62,7 @@ class OutputFile {
 
  private:
   OutputFile(File file, std::string path, const OutputRules& rules, std::optional<OutputLock> lock);
-  Result<void> write_through(std::span<const std::byte> bytes);
+  Result<void> write_through(std::uint64_t offset, std::span<const std::byte> bytes);
   Result<void> flush();
   Result<void> tell_before_rename();
   std::optional<OutputLock> lock_;  ///< where no one else holds it: the last to go

@@ -5,11 +5,13 @@
 
 #include <cerrno>
 #include <cstdint>
-#include <system_error>
+#include <span>
 #include <utility>
 
 #include "io/file/disk.h"
+#include "io/file/disk_failure.h"
 #include "io/file/file.h"
+#include "io/file/hash.h"
 
 namespace pss {
 namespace {
@@ -17,25 +19,16 @@ namespace {
 /// So much of a name is kept: with what is added it stays below the 255 bytes that names may have.
 constexpr std::size_t kLongestName = 200;
 
-Error failure(std::string_view what, const std::string& path, disk::Outcome outcome) {
-  const std::error_code code(static_cast<int>(-outcome), std::generic_category());
-  return {Fault::kFailed, fmt::format("{}: cannot {}: {}", path, what, code.message())};
-}
-
-/// FNV-1a: tells names apart that are too long to be kept whole.
-std::uint64_t name_hash(std::string_view name) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  return hash;
-}
+using disk::failure;
 
 /// A hidden name in the folder of `path`: ".NAME.SUFFIX".
 std::string beside(const std::string& path, std::string_view suffix) {
   const std::size_t slash = path.find_last_of('/');
   const std::size_t start = slash == std::string::npos ? 0 : slash + 1;
   std::string name = path.substr(start);
-  if (name.size() > kLongestName)
-    name = fmt::format("{}-{:016x}", name.substr(0, kLongestName - 17), name_hash(name));
+  if (name.size() > kLongestName)  // a hash tells names apart that are not kept whole
+    name = fmt::format("{}-{:016x}", name.substr(0, kLongestName - 17),
+                       hash64(std::as_bytes(std::span(name))));
   return fmt::format("{}.{}.{}", path.substr(0, start), name, suffix);
 }
 

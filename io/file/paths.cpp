@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 
 #include "io/file/disk.h"
+#include "io/file/disk_failure.h"
 #include "io/file/file.h"
 
 namespace pss {
 namespace {
 
-Error failure(std::string_view what, const std::string& path, disk::Outcome outcome) {
-  const std::error_code code(static_cast<int>(-outcome), std::generic_category());
-  return {Fault::kFailed, fmt::format("{}: cannot {}: {}", path, what, code.message())};
-}
+using disk::failure;
 
 bool unknown_call(disk::Outcome outcome) {
   return outcome == -EINVAL || outcome == -ENOSYS || outcome == -EOPNOTSUPP;

@@ -32,7 +32,6 @@ Job::Job(const JobPlaces& places, JobRecord record, OutputLock lock, Monitor& mo
     : places_(places), record_(std::move(record)), lock_(std::move(lock)), monitor_(&monitor) {}
 
 Result<Job> Job::enter(const JobPlaces& places, JobRecord record, Monitor& monitor) {
-  PSS_TRY(check_places(places));
   PSS_ASSIGN(OutputLock lock, OutputLock::take(places.output));
   Job job(places, std::move(record), std::move(lock), monitor);
   PSS_ASSIGN(job.complete_, job.is_complete());

@@ -42,8 +42,9 @@ class Job {
  public:
   /// Finds out whether the job is new, to be resumed, complete, or another one; leaves its record.
   ///
-  /// Errors: those of the locks and of check_places(); kFailed where OUTPUT exists and is not this
-  ///         job's, or the directory holds another job.
+  /// Requires: check_places() has found nothing.
+  /// Errors:   those of the locks; kFailed where OUTPUT exists and is not this job's, or the
+  ///           directory holds another job.
   static Result<Job> enter(const JobPlaces& places, JobRecord record, Monitor& monitor);
 
   bool complete() const { return complete_; }  ///< OUTPUT is there, as this job writes it

@@ -96,17 +96,12 @@ Result<void> WorkDirectory::check_names() const {
 }
 
 Result<void> WorkDirectory::write_record(const JobRecord& record) const {
-  const Result<void> replaced = replace_record(to_text(record));
+  const std::string text = to_text(record);
+  const Result<void> replaced =
+      replace_file(lock_.path(), {std::as_bytes(std::span(text))}, lock_.temporary());
   // Its lock goes with this process, and then nobody would know whose it is.
   if (!replaced) disk::remove_file(lock_.temporary());
   return replaced;
-}
-
-Result<void> WorkDirectory::replace_record(const std::string& text) const {
-  PSS_ASSIGN(File file, File::create_anew(lock_.temporary()));
-  PSS_TRY(file.write(0, std::as_bytes(std::span(text))));
-  PSS_TRY(file.sync());
-  return rename_file(file.path(), lock_.path());
 }
 
 bool WorkDirectory::has_results() const {

@@ -74,7 +74,6 @@ class WorkDirectory {
   WorkDirectory(std::string path, OutputLock lock, bool made)
       : path_(std::move(path)), lock_(std::move(lock)), made_(made) {}
   Result<void> check_names() const;
-  Result<void> replace_record(const std::string& text) const;
   std::string path_;
   OutputLock lock_;  ///< on the record
   bool made_ = false;

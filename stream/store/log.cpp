@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "io/file/file_window.h"
 #include "io/file/hash.h"
 #include "stream/store/bytes.h"
 
@@ -51,49 +52,24 @@ std::optional<Head> parse_head(std::span<const std::byte> bytes, std::uint64_t o
   return head;
 }
 
-/// A file read through a buffer of moderate size.
-class Window {
- public:
-  Window(const File& file, std::uint64_t size) : file_(file), size_(size) {}
-
-  std::uint64_t size() const { return size_; }
-
-  /// Shape: offset + count <= size().
-  Result<std::span<const std::byte>> at(std::uint64_t offset, std::size_t count) {
-    if (offset < start_ || offset + count > start_ + buffer_.size()) {
-      const std::uint64_t wanted = std::max<std::uint64_t>(count, kWindow);
-      buffer_.resize(std::min(wanted, size_ - offset));
-      start_ = offset;
-      PSS_TRY(file_.read(offset, buffer_));
-    }
-    return std::span<const std::byte>(buffer_).subspan(offset - start_, count);
-  }
-
- private:
-  const File& file_;
-  std::uint64_t size_;
-  std::uint64_t start_ = 0;
-  std::vector<std::byte> buffer_;
-};
-
 Error damaged(const std::string& path, std::uint64_t offset, const std::string& what) {
   return {Fault::kBadInput, fmt::format("{}: damaged at offset {}: {}", path, offset, what)};
 }
 
 /// Gives the record at `offset`, or nothing where the bytes there are none.
-Result<std::optional<LogRecord>> record_at(Window& window, std::uint64_t offset) {
-  if (window.size() - offset < kHeadSize) return std::optional<LogRecord>();
+Result<std::optional<LogRecord>> record_at(FileWindow& window, std::uint64_t offset) {
+  if (window.end() - offset < kHeadSize) return std::optional<LogRecord>();
   PSS_ASSIGN(const auto head_bytes, window.at(offset, kHeadSize));
   const auto head = parse_head(head_bytes, offset);
-  if (!head || head->size > window.size() - offset - kHeadSize) return std::optional<LogRecord>();
+  if (!head || head->size > window.end() - offset - kHeadSize) return std::optional<LogRecord>();
   PSS_ASSIGN(const auto payload, window.at(offset + kHeadSize, head->size));
   if (hash64(payload) != head->payload_hash) return std::optional<LogRecord>();
   return std::optional(LogRecord{head->type, offset, payload});
 }
 
 /// Whether a head after `bad` says that the bytes at `bad` were once durable.
-Result<bool> proves_damage(Window& window, std::uint64_t bad) {
-  for (std::uint64_t at = bad + 1; at + kHeadSize <= window.size(); ++at) {
+Result<bool> proves_damage(FileWindow& window, std::uint64_t bad) {
+  for (std::uint64_t at = bad + 1; at + kHeadSize <= window.end(); ++at) {
     PSS_ASSIGN(const auto bytes, window.at(at, kHeadSize));
     const auto head = parse_head(bytes, at);
     if (head && head->durable > bad) return true;
@@ -101,11 +77,11 @@ Result<bool> proves_damage(Window& window, std::uint64_t bad) {
   return false;
 }
 
-Result<void> check_name(Window& window, const std::string& path) {
+Result<void> check_name(FileWindow& window, const std::string& path) {
   const auto expected = std::as_bytes(std::span(kName));
-  if (window.size() < kName.size())
+  if (window.end() < kName.size())
     return damaged(
-        path, 0, fmt::format("{} bytes found, a log has at least {}", window.size(), kName.size()));
+        path, 0, fmt::format("{} bytes found, a log has at least {}", window.end(), kName.size()));
   PSS_ASSIGN(const auto found, window.at(0, kName.size()));
   if (!std::ranges::equal(found, expected))
     return damaged(path, 0, "it does not begin as a log of version 1 does");
@@ -114,7 +90,7 @@ Result<void> check_name(Window& window, const std::string& path) {
 
 Result<std::uint64_t> read_records(const File& file, Tail tail, const LogVisitor& visit) {
   PSS_ASSIGN(const std::uint64_t size, file.size());
-  Window window(file, size);
+  FileWindow window(file, size, kWindow);
   PSS_TRY(check_name(window, file.path()));
   std::uint64_t offset = kName.size();
   while (offset < size) {
@@ -164,7 +140,7 @@ Result<LogWriter> LogWriter::create(const std::string& path, std::uint32_t type,
   std::vector<std::byte> start;
   ByteWriter(start).raw(std::as_bytes(std::span(kName)));
   append_head(start, kName.size(), head);
-  PSS_TRY(replace_file(path, {start, payload}));
+  PSS_TRY(replace_file(path, {start, payload}, replacement_of(path)));
   PSS_ASSIGN(File file, File::open_to_write(path));
   return LogWriter(std::move(file), start.size() + payload.size());
 }

@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "io/file/file_window.h"
+#include "io/file/hash.h"
 #include "io/formats/las/las_crs.h"
 #include "io/formats/las/las_evlrs.h"
 
@@ -17,31 +19,6 @@ constexpr std::size_t kWindow = std::size_t{64} << 10;
 constexpr std::size_t kMostExtra = 3 * kWindow;
 /// A longer WKT is none that anybody wrote: it is not understood, only told from others.
 constexpr std::uint64_t kLongestWkt = std::uint64_t{64} << 10;
-
-/// A part of a file, read in order through a buffer of moderate size.
-class Window {
- public:
-  Window(const File& file, std::uint64_t end) : file_(file), end_(end) {}
-
-  /// The bytes [offset, offset + count), valid until the next call; empty where they do not all lie
-  /// before the end. Requires: `count` has a bound of its own.
-  Result<std::span<const std::byte>> at(std::uint64_t offset, std::size_t count) {
-    if (offset > end_ || count > end_ - offset) return std::span<const std::byte>();
-    if (offset < start_ || offset + count > start_ + buffer_.size()) {
-      start_ = offset;
-      buffer_.resize(static_cast<std::size_t>(
-          std::min<std::uint64_t>(std::max(count, kWindow), end_ - offset)));
-      PSS_TRY(file_.read(offset, buffer_));
-    }
-    return std::span<const std::byte>(buffer_).subspan(static_cast<std::size_t>(offset - start_),
-                                                       count);
-  }
-
- private:
-  const File& file_;
-  std::uint64_t end_, start_ = 0;
-  std::vector<std::byte> buffer_;
-};
 
 /// Collects the VLRs by which points are read and systems compared.
 class Understood {
@@ -62,13 +39,13 @@ class Understood {
   }
 
  private:
-  static constexpr std::array<std::uint16_t, 3> kProjection{2112, 34735, 34736};
+  static constexpr std::array<std::uint16_t, 3> kProjection{kWktRecord, 34735, 34736};
   std::array<bool, 3> has_{};
   std::size_t extra_ = 0;
 };
 
 /// Adds the understood VLRs to the header block; returns how many lie whole before the points.
-Result<std::uint32_t> add_understood(Window& window, const LasHeader& header,
+Result<std::uint32_t> add_understood(FileWindow& window, const LasHeader& header,
                                      std::vector<std::byte>& bytes) {
   Understood understood;
   std::uint64_t offset = header.header_size;
@@ -98,26 +75,25 @@ Result<LasHead> survey_head(const File& file, std::uint64_t size) {
         fmt::format("{}: LAS header, offset 96: found {} bytes before the points, expected "
                     "at most {}",
                     file.path(), header.point_offset, kLasLargestCarry)};
-  Window window(file, header.point_offset);
+  FileWindow window(file, header.point_offset, kWindow);
   PSS_ASSIGN(const auto block, window.at(0, header.header_size));
   bytes.assign(block.begin(), block.end());
   PSS_ASSIGN(const std::uint32_t vlrs, add_understood(window, header, bytes));
   return las_head(header, std::move(bytes), vlrs);
 }
 
-/// A name for a text of which only this is known: FNV-1a, 64 bits.
+/// A name for a text of which only this is known.
 Result<std::string> fingerprint_of_wkt(const File& file, std::uint64_t offset,
                                        std::uint64_t length) {
-  Window window(file, offset + length);
-  std::uint64_t hash = 0xcbf29ce484222325;
+  FileWindow window(file, offset + length, kWindow);
+  StreamHash hash;
   for (std::uint64_t done = 0; done < length;) {
     const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(kWindow, length - done));
     PSS_ASSIGN(const auto bytes, window.at(offset + done, step));
-    for (const std::byte b : bytes)
-      hash = (hash ^ std::to_integer<std::uint64_t>(b)) * 0x100000001b3;
+    hash.update(bytes);
     done += step;
   }
-  return fmt::format("WKT of {} bytes, {:016x}", length, hash);
+  return fmt::format("WKT of {} bytes, {}", length, to_string(hash.digest()));
 }
 
 Result<std::string> crs_at(const File& file, std::uint64_t offset, std::uint64_t length) {

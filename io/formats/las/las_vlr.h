@@ -61,7 +61,7 @@ class VlrRange {
     std::optional<Vlr> vlr_;
   };
   Iterator begin() const { return {*this, first_}; }
-  std::default_sentinel_t end() const { return {}; }  // NOLINT(readability-convert-*)
+  static std::default_sentinel_t end() { return {}; }
 
   std::size_t size() const;  ///< Cost: linear
   bool empty() const { return begin() == end(); }

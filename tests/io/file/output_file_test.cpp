@@ -15,10 +15,6 @@
 namespace pss::test {
 namespace {
 
-std::span<const std::byte> bytes_of(std::string_view text) {
-  return std::as_bytes(std::span(text));
-}
-
 TEST(OutputFile, HasItsNameOnlyOnceItIsComplete) {
   TemporaryDirectory directory;
   const std::string path = directory / "out";
