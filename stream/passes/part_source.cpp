@@ -16,7 +16,7 @@ std::optional<PartRange> PartQueue::pop() {
     cut_.pop_back();
     return range;
   }
-  if (next_tile_ == tiles_.size()) return std::nullopt;
+  if (next_tile_ >= tiles_.size()) return std::nullopt;
   const std::size_t tile = next_tile_++;
   return PartRange{tile, 0, tiles_[tile].blocks};
 }
@@ -101,6 +101,13 @@ bool cutting_helps(const Operator& op, const PartPlan& plan, std::uint64_t most_
   return op.bytes(block) <= most_bytes;
 }
 
+/// A tile without points: nothing is read for it, and nothing lies around it.
+std::optional<Part> empty_part(const PartRange& range) {
+  Part part;
+  part.range = range;
+  return part;
+}
+
 }  // namespace
 
 /// Two should fit at once, one to compute and one to load.
@@ -133,6 +140,7 @@ Result<std::optional<Part>> PartSource::next() {
 }
 
 Result<std::optional<Part>> PartSource::load(const PartRange& range) {
+  if (range.block_count == 0) return empty_part(range);
   PSS_ASSIGN(PartPlan plan, loader_.plan(range));
   Reservation memory;
   PSS_ASSIGN(const bool taken, take_memory(plan, memory));

@@ -19,7 +19,7 @@ class Pipeline {
       : source_(source),
         op_(op),
         monitor_(monitor),
-        reader_(source, op, budget, monitor, result.tiles().size()),
+        reader_(source, op, budget, monitor, result.next_source()),
         committer_(result, op, [this](bool done) { memory_came_back(done); }) {}
 
   Result<ScheduleSummary> run() {
@@ -45,7 +45,7 @@ class Pipeline {
   Result<void> compute(Part part) {
     const Stopwatch watch;
     FinishedPart finished;
-    finished.notes = op_.apply(part, monitor_);
+    if (!part.own.empty()) finished.notes = op_.apply(part, monitor_);
     if (monitor_.stopping()) return Error{Fault::kInterrupted, "interrupted"};
     part.drop_surroundings();
     count(part, finished);

@@ -189,6 +189,36 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
   expect_equal(expect_value(read_all(expect_value(Store::open(folder / "r.pss")))), expected);
 }
 
+TEST(Project, PassesOverEmptyTilesAndRecordsThem) {
+  TemporaryDirectory folder;
+  const Cloud cloud = wave(4);
+  const Cloud expected =
+      project(store_of(cloud, folder / "s.pss", {2800}), fixed_support(), folder / "r.pss");
+  const Store source = store_of(cloud, folder / "e.pss", {0, 2800, 2800, kPoints});
+  ASSERT_EQ(source.tiles().size(), 5u);
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, fixed_support()));
+  MemoryBudget budget(512 * kMiB, 1);
+  Monitor monitor;
+  EXPECT_EQ(expect_value(estimate_operator(source, op, budget)).own_points, kPoints);
+  {
+    StoreWriter writer = expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
+    expect_ok(writer.commit_tile(source.tiles()[0].cell, 0));
+  }
+  StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
+
+  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+  expect_ok(writer.finish("{}"));
+
+  EXPECT_EQ(summary.tiles, 4u);
+  const Store result = expect_value(Store::open(folder / "r.pss"));
+  ASSERT_EQ(result.tiles().size(), 5u);
+  for (std::size_t t = 0; t < 5; ++t) {
+    EXPECT_EQ(result.tiles()[t].source, t);
+    EXPECT_EQ(result.tiles()[t].count, source.tiles()[t].count);
+  }
+  expect_equal(expect_value(read_all(result)), expected);
+}
+
 TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
   TemporaryDirectory folder;
   const Cloud cloud = wave(5);
