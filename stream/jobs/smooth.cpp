@@ -72,9 +72,9 @@ class SmoothRun {
   Result<void> check(const Store& source, const WorkDirectory& work);
   Result<void> check_space(const Store& source, const ProjectOperator& op,
                            const WorkDirectory& work, std::uint64_t present) const;
-  Result<void> compute_normals(const Store& source, const WorkDirectory& work);
-  Result<void> project(const Store& source, const WorkDirectory& work);
-  Result<StoreWriter> run_stage(const char* stage, const Store& source, const ProjectOperator& op,
+  Result<void> compute_normals(const Source& source, const WorkDirectory& work);
+  Result<void> project(const Source& source, const WorkDirectory& work);
+  Result<StoreWriter> run_stage(const char* stage, const Source& source, const ProjectOperator& op,
                                 const std::string& path);
   Result<void> write(Job& started);
   void note_if_few_moved();
@@ -115,20 +115,21 @@ Result<bool> SmoothRun::has_result(const Job& started) const {
 
 Result<void> SmoothRun::compute(const Job& started) {
   const WorkDirectory& work = started.work();
-  PSS_ASSIGN(Store source, sorted_input(started));
+  PSS_ASSIGN(const Store source, sorted_input(started));
   PSS_TRY(check_output_box(source, job_));
-  PSS_ASSIGN(Reservation tables, reserve_tables(source));
+  PSS_ASSIGN(const Reservation tables, reserve_tables(source));
   PSS_ASSIGN(const ChosenWidths widths, choose(source));
   report_.store_bytes = source.bytes_on_disk();
   report_.widths = widths;
   report_.normals = normals_from(source.header().schema, method_of(job_.options));
   PSS_TRY(check(source, work));
-  if (report_.normals != NormalsFrom::kFirstPass) return project(source, work);
-  PSS_TRY(compute_normals(source, work));
-  PSS_ASSIGN(source, Store::open(work.normals_store()));
-  tables.release();
-  PSS_ASSIGN(tables, reserve_tables(source));
-  return project(source, work);
+  Source points(source);
+  if (report_.normals != NormalsFrom::kFirstPass) return project(points, work);
+  PSS_TRY(compute_normals(points, work));
+  PSS_ASSIGN(const Store normals, Store::open(work.normals_store()));
+  PSS_ASSIGN(const Reservation more, reserve_tables(normals));
+  PSS_TRY(points.join(normals));
+  return project(points, work);
 }
 
 Result<Reservation> SmoothRun::reserve_tables(const Store& store) {
@@ -193,7 +194,7 @@ Result<void> SmoothRun::check(const Store& source, const WorkDirectory& work) {
 }
 
 /// Runs an operator into a store of the work directory, or goes on with what is there.
-Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
+Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Source& source,
                                          const ProjectOperator& op, const std::string& path) {
   const StoreHeader& header = op.result_header();
   PSS_ASSIGN(StoreWriter result, is_store(path) ? StoreWriter::resume(path, header)
@@ -205,8 +206,8 @@ Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
   return result;
 }
 
-/// The first pass: the sorted input again, each point with a normal.
-Result<void> SmoothRun::compute_normals(const Store& source, const WorkDirectory& work) {
+/// The first pass: a normal for each point of the sorted input.
+Result<void> SmoothRun::compute_normals(const Source& source, const WorkDirectory& work) {
   const Stopwatch watch;
   const Transfer before = transferred();
   PSS_ASSIGN(const ProjectOperator op, normals_operator(source, job_, report_.widths, identity_));
@@ -216,7 +217,7 @@ Result<void> SmoothRun::compute_normals(const Store& source, const WorkDirectory
   return result.complete() ? Result<void>() : result.finish("{}");
 }
 
-Result<void> SmoothRun::project(const Store& source, const WorkDirectory& work) {
+Result<void> SmoothRun::project(const Source& source, const WorkDirectory& work) {
   const Stopwatch watch;
   const Transfer before = transferred();
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job_, report_.widths, identity_));

@@ -56,7 +56,7 @@ Result<SmoothEstimate> from_store(const SmoothJob& job, MemoryBudget& budget, Mo
   PSS_ASSIGN(const ProjectOperator op, project_operator(source, job, estimate.widths, ""));
   PSS_TRY(check_buffer(op, job.options));
   PSS_TRY(check_output_grid(source, job, estimate.widths, monitor));
-  PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, op, budget));
+  PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(Source(source), op, budget));
   estimate.from_store = true;
   estimate.points = source.points();
   estimate.tiles = schedule.tiles;

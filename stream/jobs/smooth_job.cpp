@@ -190,20 +190,20 @@ Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
   return check_export(source, room, format, options, monitor, "leave such points out with");
 }
 
-Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
+Result<ProjectOperator> project_operator(const Source& source, const SmoothJob& job,
                                          const ChosenWidths& widths, const std::string& identity) {
   ProjectParameters parameters = parameters_for(job, widths, identity);
   parameters.method = method_of(job.options);
   parameters.outputs = job.options.outputs;
   if (!is_store_name(job.output)) {
     PSS_ASSIGN(const Format format, format_for(job.output));
-    parameters.grid = export_grid(source.header(), world_bounds_of(source), room_for_moves(widths),
-                                  format, export_options(job));
+    parameters.grid = export_grid(source.header(), world_bounds_of(source.store()),
+                                  room_for_moves(widths), format, export_options(job));
   }
   return ProjectOperator::create(source, parameters);
 }
 
-Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
+Result<ProjectOperator> normals_operator(const Source& source, const SmoothJob& job,
                                          const ChosenWidths& widths, const std::string& identity) {
   ProjectParameters parameters = parameters_for(job, widths, identity);
   parameters.method = normals_method(method_of(job.options));
@@ -212,7 +212,7 @@ Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& j
 }
 
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options) {
-  return check_buffer_width(options, op.largest_reach());
+  return check_buffer_width(options, op.neighbourhood().largest_reach());
 }
 
 }  // namespace pss

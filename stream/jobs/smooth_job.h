@@ -35,10 +35,10 @@ Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
                                       const ChosenWidths& widths, Monitor& monitor);
 /// The job's operator over its sorted input, for a result that says whose it is: identity_of() the
 /// job.
-Result<ProjectOperator> project_operator(const Store& source, const SmoothJob& job,
+Result<ProjectOperator> project_operator(const Source& source, const SmoothJob& job,
                                          const ChosenWidths& widths, const std::string& identity);
 /// The job's first pass over its sorted input, where its operator needs normals and that has none.
-Result<ProjectOperator> normals_operator(const Store& source, const SmoothJob& job,
+Result<ProjectOperator> normals_operator(const Source& source, const SmoothJob& job,
                                          const ChosenWidths& widths, const std::string& identity);
 /// Errors: kUsage where --buffer is less than exactness needs and --allow-inexact is missing.
 Result<void> check_buffer(const ProjectOperator& op, const SmoothOptions& options);

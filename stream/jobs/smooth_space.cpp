@@ -43,7 +43,7 @@ SmoothSpace smooth_space(const SmoothJob& job, NormalsFrom normals, const Stored
   };
   SmoothSpace space;
   if (!is_store_input(job)) space.sorted = source.bytes;
-  if (normals == NormalsFrom::kFirstPass) space.normals = bytes(sizeof(Normal));
+  if (normals == NormalsFrom::kFirstPass) space.normals = source.points * sizeof(Normal);
   space.result =
       bytes(refining_bytes(source.lattice, result_lattice) + static_cast<double>(result_row_bytes) -
             static_cast<double>(source.row_bytes));

@@ -15,7 +15,7 @@ namespace pss {
 /// About how many bytes a job writes, and when it gives them back.
 struct SmoothSpace {
   std::uint64_t sorted = 0;    ///< the sorted input, where the job makes it
-  std::uint64_t normals = 0;   ///< the same with normals, where a first pass finds them
+  std::uint64_t normals = 0;   ///< of all points, where a first pass finds them
   std::uint64_t result = 0;    ///< a store
   std::uint64_t output = 0;    ///< not compressed; none where the output is the result
   bool keeps_sources = false;  ///< the first two stay while the output is written
