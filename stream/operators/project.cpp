@@ -76,8 +76,10 @@ Neighbourhood ProjectOperator::chosen_neighbourhood() const {
   const auto reach_at = [reach_of, method, factor = parameters_.factor](double distance) {
     return reach_of(support_of_radius(factor * distance, method));
   };
-  const auto nearest = Neighbourhood::nearest(
-      {parameters_.nearest, parameters_.cap, parameters_.first_guess, reach_at});
+  const auto nearest = Neighbourhood::nearest({.k = parameters_.nearest,
+                                               .cap = parameters_.cap,
+                                               .first_guess = parameters_.first_guess,
+                                               .reach_at = reach_at});
   return parameters_.buffer ? nearest.narrowed(*parameters_.buffer) : nearest;
 }
 
@@ -128,47 +130,21 @@ Result<void> ProjectOperator::choose_columns() {
   return {};
 }
 
-std::vector<ProjectOperator::Chunk> ProjectOperator::chunks_of(const Part& part) {
-  std::vector<Chunk> chunks;
-  std::size_t start = 0;
-  for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
-    const std::size_t end = start + part.block_counts[b];
-    while (start < end) {
-      const std::size_t next = std::min(start + kTaskPoints, end);
-      chunks.push_back({b, start, next - start});
-      start = next;
-    }
-  }
-  return chunks;
-}
-
-/// Ranges of chunks for one worker each: a place is asked for once, so copies of it stay together.
-std::vector<PointRange> ProjectOperator::tasks_of(const Part& part,
-                                                  const std::vector<Chunk>& chunks) {
-  std::vector<PointRange> tasks;
-  for (std::size_t c = 0; c < chunks.size(); ++c) {
-    const std::size_t first = chunks[c].first;
-    if (c == 0 || part.own[first] != part.own[first - 1]) tasks.push_back({c, c});
-    tasks.back().end = c + 1;
-  }
-  return tasks;
-}
-
-/// One note a block, its chunks added up in row order whoever computed them.
+/// One note a block, its slices added up in row order whoever computed them.
 std::vector<std::vector<std::byte>> ProjectOperator::notes_of(
-    const Part& part, const std::vector<Chunk>& chunks,
+    const Part& part, const std::vector<Slice>& slices,
     const std::vector<ProjectStatistics>& statistics) {
   std::vector<ProjectStatistics> blocks(part.block_counts.size());
-  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
+  for (std::size_t c = 0; c < slices.size(); ++c) blocks[slices[c].block].add(statistics[c]);
   std::vector<std::vector<std::byte>> notes;
   for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
   return notes;
 }
 
 Rows ProjectOperator::apply(Part& part, Monitor& monitor) const {
-  const std::vector<Chunk> chunks = chunks_of(part);
-  const std::vector<PointRange> tasks = tasks_of(part, chunks);
-  std::vector<ProjectStatistics> statistics(chunks.size());
+  const std::vector<Slice> slices = slices_of(part);
+  const std::vector<PointRange> tasks = tasks_of(part, slices);
+  std::vector<ProjectStatistics> statistics(slices.size());
   assert(!needs_normals(parameters_.method.op) || part.normals.size() == part.candidates.size());
   if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, kSmallestReach);
   Spares<Worker> workers;
@@ -179,23 +155,23 @@ Rows ProjectOperator::apply(Part& part, Monitor& monitor) const {
                                         CloudNormals{part.normals, oriented_});
     const std::size_t last = tasks[end - 1].end;
     for (std::size_t c = tasks[begin].begin; c < last && !monitor.stopping(); ++c) {
-      statistics[c] = project(chunks[c], *worker, part);
-      monitor.advance(chunks[c].count);
+      statistics[c] = project(slices[c], *worker, part);
+      monitor.advance(slices[c].count);
     }
     workers.give(std::move(worker));
   });
-  Rows rows{{}, std::move(part.rows), notes_of(part, chunks, statistics)};
+  Rows rows{{}, std::move(part.rows), notes_of(part, slices, statistics)};
   if (!columns_alone()) rows.positions = std::move(part.own);
   return rows;
 }
 
-ProjectStatistics ProjectOperator::project(const Chunk& chunk, Worker& worker, Part& part) const {
+ProjectStatistics ProjectOperator::project(const Slice& slice, Worker& worker, Part& part) const {
   ProjectStatistics statistics;
-  fill(part, chunk.first, chunk.count, worker.batch);
+  fill(part, slice.first, slice.count, worker.batch);
   worker.batch.project(worker.projector);
-  for (std::size_t i = 0; i < chunk.count; ++i) {
+  for (std::size_t i = 0; i < slice.count; ++i) {
     Projection projection = worker.batch.answer(i);
-    place(projection, part, chunk.first + i);
+    place(projection, part, slice.first + i);
     statistics.add(projection);
   }
   return statistics;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/projector.h"
+#include "stream/operators/part_tasks.h"
 #include "stream/operators/project_statistics.h"
 #include "stream/operators/query_batch.h"
 #include "stream/passes/operator.h"
@@ -58,24 +59,16 @@ class ProjectOperator : public Operator {
   /// A cell grid wants some width, also where no point looks around.
   static constexpr double kSmallestReach = std::numeric_limits<double>::min();
 
-  /// Consecutive own points of one block.
-  struct Chunk {
-    std::size_t block;
-    std::size_t first;
-    std::size_t count;
-  };
-  /// What a thread computes a chunk with.
+  /// What a thread computes a slice with.
   struct Worker {
     Worker(const CellGrid& grid, const Method& method, const CloudNormals& normals)
         : projector(grid, method, normals) {}
     Projector projector;
     QueryBatch batch;
   };
-  ProjectStatistics project(const Chunk& chunk, Worker& worker, Part& part) const;
-  static std::vector<Chunk> chunks_of(const Part& part);
-  static std::vector<PointRange> tasks_of(const Part& part, const std::vector<Chunk>& chunks);
+  ProjectStatistics project(const Slice& slice, Worker& worker, Part& part) const;
   static std::vector<std::vector<std::byte>> notes_of(
-      const Part& part, const std::vector<Chunk>& chunks,
+      const Part& part, const std::vector<Slice>& slices,
       const std::vector<ProjectStatistics>& statistics);
 
   ProjectOperator(const Source& source, const ProjectParameters& parameters);

@@ -131,6 +131,12 @@ bool Neighbourhood::find_distances(Part& part) const {
   return !std::ranges::all_of(part.around, &Surround::certain);
 }
 
+std::optional<double> Neighbourhood::kth_distance(const CellGrid& grid, const Index3& position,
+                                                  double cap) const {
+  return nearest_.each_point ? grid.kth_point_distance(position, nearest_.k, cap)
+                             : grid.kth_distance(position, nearest_.k, cap);
+}
+
 /// Nothing within the group's reach is missing, so k positions found there are the k nearest.
 void Neighbourhood::find_distances(Part& part, Surround& group) const {
   const double loaded = group.reach;
@@ -139,7 +145,7 @@ void Neighbourhood::find_distances(Part& part, Surround& group) const {
   std::optional<double> last;  // of the position before, which is often the same
   for (std::size_t i = group.own.begin; i < group.own.end; ++i) {
     if (i == group.own.begin || part.own[i] != part.own[i - 1])
-      last = part.grid->kth_distance(part.own[i], nearest_.k, std::min(nearest_.cap, loaded));
+      last = kth_distance(*part.grid, part.own[i], std::min(nearest_.cap, loaded));
     part.kth_distances[i] = last.value_or(kNone);
     if (last)
       needed = std::max({needed, *last, reach_at(*last)});

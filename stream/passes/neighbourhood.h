@@ -1,5 +1,5 @@
 #pragma once
-// How far an operator looks around each point: a fixed distance, or to the k-th nearest position.
+// How far an operator looks around each point: a fixed distance, or to its k-th nearest.
 
 #include <cstdint>
 #include <functional>
@@ -13,9 +13,10 @@ namespace pss {
 
 /// The k nearest of each point.
 struct NearestRule {
-  int k = 0;               ///< distinct positions, the point's own excluded
-  double cap = 0;          ///< a k-th nearest farther than this counts as none
-  double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
+  int k = 0;                ///< positions or points, the point's own excluded
+  bool each_point = false;  ///< duplicates of a position count each
+  double cap = 0;           ///< a k-th nearest farther than this counts as none
+  double first_guess = 0;   ///< a typical distance to the k-th nearest: what is loaded at first
   /// How far a point looks whose k-th nearest lies at a distance; grows with it. Empty: so far.
   std::function<double(double)> reach_at;
 };
@@ -29,7 +30,7 @@ class Neighbourhood {
   Neighbourhood() = default;
   /// All within `reach` of every point.
   static Neighbourhood fixed(double reach);
-  /// The k nearest positions, found for certain however far they are, up to the cap.
+  /// The k nearest, found for certain however far they are, up to the cap.
   static Neighbourhood nearest(NearestRule rule);
   /// The same, but that nothing farther than `width` is loaded, enough or not.
   Neighbourhood narrowed(double width) const;
@@ -65,6 +66,8 @@ class Neighbourhood {
   double guessed_reach(const Lattice& lattice, std::span<const Index3> own,
                        const PointRange& group) const;
   void find_distances(Part& part, Surround& group) const;
+  std::optional<double> kth_distance(const CellGrid& grid, const Index3& position,
+                                     double cap) const;
 
   double fixed_ = 0;
   NearestRule nearest_;

@@ -27,11 +27,6 @@ class StopWithinSecondTile : public Monitor {
   std::atomic<bool> stopping_ = false;
 };
 
-/// The limit that leaves `bytes` for parts.
-std::uint64_t limit_leaving(std::uint64_t bytes) {
-  return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
-}
-
 /// What the first tile takes as one part.
 std::uint64_t bytes_of_first_tile(const Store& source, const ProjectParameters& parameters) {
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));

@@ -126,7 +126,7 @@ class KthDistance : public TestOperator {
   KthDistance(const Source& source, int k, double cap) : TestOperator(source) {
     header_.schema = Schema({{"Distance", Type::kFloat64, 1, 1, 0, {}}});
     needs_ = {sizeof(double), {}, {}};
-    neighbourhood_ = Neighbourhood::nearest({k, cap, 5, {}});
+    neighbourhood_ = Neighbourhood::nearest({.k = k, .cap = cap, .first_guess = 5, .reach_at = {}});
   }
   bool columns_alone() const override { return true; }
   bool gathers_neighbours() const override { return false; }
