@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <optional>
 
-#include "io/formats/las/las_grid.h"
 #include "io/formats/las/las_plan.h"
+#include "io/points/integer_grid.h"
 #include "io/points/position_survey.h"
 #include "io/points/reader.h"
 
@@ -145,8 +145,8 @@ class Planner {
       PSS_ASSIGN(grid, planned_grid());
     }
     const bool one = readers_.size() == 1;
-    PSS_TRY(check_las_grid(one ? readers_[0]->header().path : output_, grid, *write_.bounds,
-                           *write_.bounds));
+    PSS_TRY(check_integer_grid(one ? readers_[0]->header().path : output_, grid, *write_.bounds,
+                               *write_.bounds));
     return promised_ || !chosen(grid) ? Result<void>() : check_step(grid);
   }
 
@@ -167,7 +167,7 @@ class Planner {
 
   /// By what headers promise: a grid that is chosen for that alone may be far too coarse.
   bool surely_good(const Lattice& grid) const {
-    return las_grid_holds(grid, *write_.bounds) && !chosen(grid);
+    return integer_grid_holds(grid, *write_.bounds) && !chosen(grid);
   }
 
   Result<void> check_step(const Lattice& grid) {
@@ -177,7 +177,7 @@ class Planner {
                               [this](SpacingMeter& meter) { return measure_spacing(meter); }));
     if (!too_coarse(step, spacing)) return {};
     const std::size_t culprit = survey_.farthest().position.input;
-    return too_far(survey_, readers_[culprit]->header().path, step, spacing, kLeastLasSteps);
+    return too_far(survey_, readers_[culprit]->header().path, step, spacing, kLeastGridSteps);
   }
 
   Result<void> measure_spacing(SpacingMeter& meter) {

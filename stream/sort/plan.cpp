@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "io/file/fingerprint.h"
-#include "io/formats/las/las_grid.h"
+#include "io/points/integer_grid.h"
 #include "io/watched_reader.h"
 #include "stream/sort/common_lattice.h"
 #include "stream/sort/ingest.h"
@@ -164,7 +164,7 @@ class Planner {
     PSS_TRY(check_fits(path, bounds, plan_.header.lattice));
     if (!options_.las_output) return {};
     const WorldBox all = all_bounds();
-    return check_las_grid(path, *output_grid(all), bounds, all);
+    return check_integer_grid(path, *output_grid(all), bounds, all);
   }
 
   std::optional<Lattice> output_grid(const WorldBox& bounds) const {
@@ -199,7 +199,7 @@ class Planner {
     if (options_.scale) return note_coarse_scale();
     if (!too_coarse(step, plan_.spacing)) return {};
     return survey_.too_coarse_step(step, plan_.spacing,
-                                   las_chosen ? kLeastLasSteps : kLeastLatticeSteps);
+                                   las_chosen ? kLeastGridSteps : kLeastLatticeSteps);
   }
 
   Result<void> note_coarse_scale() {

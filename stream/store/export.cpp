@@ -4,44 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "io/inputs.h"
+#include "io/points/integer_grid.h"
 #include "io/points/writer.h"
 
 namespace pss {
 namespace {
-
-/// The part of the int32 range that a chosen grid fills at most.
-constexpr double kUsableSteps = 2.0e9;
-
-double power_of_ten(int exponent) {
-  double power = 1;
-  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
-  return exponent < 0 ? 1 / power : power;
-}
-
-/// The finest power of ten that holds `half` steps to either side.
-double finest_scale(double half) {
-  int exponent = -12;
-  while (half / power_of_ten(exponent) > kUsableSteps && exponent < 300) ++exponent;
-  return power_of_ten(exponent);
-}
-
-/// A grid about the centre of `bounds`: offset in whole units, the finest decimal scale that fits.
-Lattice chosen_grid(const WorldBox& bounds, double margin) {
-  Lattice grid;
-  double half = 0;
-  for (std::size_t a = 0; a < 3 && !bounds.empty(); ++a) {
-    grid.origin[a] = std::nearbyint(bounds.min[a] / 2 + bounds.max[a] / 2);
-    half = std::max({half, bounds.max[a] - grid.origin[a], grid.origin[a] - bounds.min[a]});
-  }
-  const double scale = finest_scale(half + margin);
-  grid.scale = {scale, scale, scale};
-  return grid;
-}
 
 WriteOptions write_options(const Store& store, Format format, const ExportOptions& options) {
   const StoreHeader& header = store.header();
@@ -98,7 +68,8 @@ bool chooses_scale(const StoreHeader& header, const ExportOptions& options) {
 std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
                                    Format format, const ExportOptions& options) {
   if (format != Format::kLas) return std::nullopt;
-  Lattice grid = header.grid && !options.scale_auto ? *header.grid : chosen_grid(bounds, margin);
+  Lattice grid =
+      header.grid && !options.scale_auto ? *header.grid : integer_grid_with_room(bounds, margin);
   if (options.scale) grid.scale = *options.scale;
   if (options.offset) grid.origin = *options.offset;
   return grid;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "io/formats/las/las_grid.h"
+#include "io/points/integer_grid.h"
 #include "io/points/position_survey.h"
 #include "stream/store/export.h"
 
@@ -66,7 +66,7 @@ Result<void> check_export_box(const Store& store, double margin, Format format,
   if (format != Format::kLas) return {};
   const WorldBox bounds = world_bounds_of(store);
   const std::optional<Lattice> grid = export_grid(store.header(), bounds, margin, format, options);
-  return check_las_grid(store.path(), *grid, bounds, widened(bounds, margin));
+  return check_integer_grid(store.path(), *grid, bounds, widened(bounds, margin));
 }
 
 Result<std::string> check_export(const Store& store, double margin, Format format,
@@ -84,7 +84,7 @@ Result<std::string> check_export(const Store& store, double margin, Format forma
   PSS_ASSIGN(const double spacing, spacing_of_rows(store, step, survey, monitor));
   if (!chosen) return coarse_step_note("--scale", grid->scale, spacing);
   if (!too_coarse(step, spacing)) return std::string();
-  return too_far(survey, store.path(), step, spacing, kLeastLasSteps, advice);
+  return too_far(survey, store.path(), step, spacing, kLeastGridSteps, advice);
 }
 
 }  // namespace pss
