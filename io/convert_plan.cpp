@@ -1,11 +1,10 @@
 #include "io/convert_plan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 
 #include "io/formats/las/las_plan.h"
+#include "io/points/common_crs.h"
 #include "io/points/integer_grid.h"
 #include "io/points/position_survey.h"
 #include "io/points/reader.h"
@@ -15,25 +14,9 @@ namespace {
 
 using Readers = std::span<Reader* const>;
 
-/// Enough of a text to tell it from another.
-std::string shortened(const std::string& text) {
-  constexpr std::size_t kLongest = 160;
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
-}
-
 Result<void> check_crs(Readers readers) {
-  const CloudHeader* named = nullptr;
-  for (const Reader* reader : readers) {
-    const CloudHeader& header = reader->header();
-    if (header.crs.empty()) continue;
-    if (named && named->crs != header.crs)
-      return Error{
-          Fault::kBadInput,
-          fmt::format("{}: found the coordinate system {}, expected {} as in {}; bring "
-                      "the files into one system first",
-                      header.path, shortened(header.crs), shortened(named->crs), named->path)};
-    if (!named) named = &header;
-  }
+  CommonCrs common;
+  for (const Reader* reader : readers) PSS_TRY(common.add(reader->header()));
   return {};
 }
 

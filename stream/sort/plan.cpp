@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/file/fingerprint.h"
+#include "io/points/common_crs.h"
 #include "io/points/integer_grid.h"
 #include "io/watched_reader.h"
 #include "stream/sort/common_lattice.h"
@@ -66,9 +67,10 @@ class Planner {
       // The store keeps the first one's head; of the others only what points are read by is used.
       PSS_ASSIGN(const auto reader,
                  open_watched(record, inputs_.empty() ? HeadBytes::kKept : HeadBytes::kLeft));
-      PSS_TRY(check_crs(reader->header()));
+      PSS_TRY(crs_.add(reader->header()));
       take(record, reader->header());
     }
+    plan_.header.crs = crs_.take_text();
     return {};
   }
 
@@ -89,19 +91,6 @@ class Planner {
   /// What the points that are kept can reach of `bounds`.
   std::optional<WorldBox> kept(const std::optional<WorldBox>& bounds) const {
     return bounds && options_.drop_outside ? bounds->clipped(*options_.drop_outside) : bounds;
-  }
-
-  Result<void> check_crs(const CloudHeader& header) {
-    if (header.crs.empty() || header.crs == plan_.header.crs) return {};
-    if (plan_.header.crs.empty()) {
-      plan_.header.crs = header.crs;
-      crs_path_ = header.path;
-      return {};
-    }
-    return Error{Fault::kBadInput,
-                 fmt::format("{} and {}: their coordinate reference systems differ; bring them "
-                             "into one first",
-                             crs_path_, header.path)};
   }
 
   Result<void> complete_schema() {
@@ -255,7 +244,7 @@ class Planner {
   std::vector<Input> inputs_;
   InputSurvey survey_;  ///< of the inputs whose positions were all read
   Schema last_schema_;
-  std::string crs_path_;
+  CommonCrs crs_;
 };
 
 }  // namespace
