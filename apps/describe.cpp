@@ -11,6 +11,7 @@
 #include "apps/progress_view.h"
 #include "io/formats/las/las_header.h"
 #include "io/formats/las/las_vlr.h"
+#include "io/points/position_survey.h"
 
 namespace pss {
 
@@ -56,25 +57,6 @@ void describe_las(Json& facts, const Carry& carry) {
   for (const Vlr& vlr : list_vlrs(carry.head, header.header_size, header.vlr_count))
     facts["vlrs"].push_back(describe_vlr(vlr));
   for (const Vlr& vlr : list_evlrs(carry.tail)) facts["vlrs"].push_back(describe_vlr(vlr));
-}
-
-/// What all points of a file say.
-struct Scan {
-  std::uint64_t points = 0;
-  WorldBox bounds;
-};
-
-Result<Scan> scan_points(Reader& reader) {
-  constexpr std::size_t kBatch = 65536;
-  Scan scan;
-  PointBatch batch;
-  for (;;) {
-    PSS_TRY(reader.read(kBatch, batch));
-    if (batch.size() == 0) return scan;
-    scan.points += batch.size();
-    for (const Index3& index : batch.index) scan.bounds.add(to_world(*reader.header().grid, index));
-    for (const World3& world : batch.world) scan.bounds.add(world);
-  }
 }
 
 /// A JSON text as a value; what is none, as a string.
@@ -134,9 +116,11 @@ Result<Json> describe_file(Reader& reader, bool scan) {
   facts["points"] = header.count ? Json(*header.count) : Json();
   facts["bounds"] = header.bounds ? describe_bounds(*header.bounds) : Json();
   if (scan) {
-    PSS_ASSIGN(const Scan all, scan_points(reader));
-    facts["points_read"] = all.points;
-    facts["bounds_read"] = all.points ? describe_bounds(all.bounds) : Json();
+    Monitor unwatched;
+    PSS_ASSIGN(const Extent all,
+               read_positions(reader, {}, unwatched, [](std::uint64_t, const World3&) {}));
+    facts["points_read"] = all.records;
+    facts["bounds_read"] = all.bounds.empty() ? Json() : describe_bounds(all.bounds);
   }
   if (header.grid) describe_grid(facts, *header.grid);
   facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);

@@ -100,13 +100,12 @@ class Planner {
     if (!begun_) monitor_.begin("survey", 0);
     begun_ = true;
     Reader& reader = *readers_[number];
-    PSS_ASSIGN(const std::uint64_t count,
-               visit_positions(reader, options_.drop_outside, monitor_,
-                               [&](std::uint64_t record, const World3& position) {
-                                 survey_.add(number, record, position);
-                               }));
+    PSS_ASSIGN(const Extent extent, read_positions(reader, options_.drop_outside, monitor_,
+                                                   [&](std::uint64_t record, const World3& at) {
+                                                     survey_.add(number, record, at);
+                                                   }));
     PSS_TRY(reader.seek(0));
-    return count;
+    return extent.records;
   }
 
   /// Reads all positions of all readers: what headers promise is trusted no more.

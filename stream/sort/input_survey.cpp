@@ -6,16 +6,12 @@
 
 namespace pss {
 
-Result<InputSurvey::Measured> InputSurvey::measure(std::size_t input, std::uint64_t promised) {
+Result<Extent> InputSurvey::measure(std::size_t input, std::uint64_t promised) {
   monitor_.begin("bounds", promised);
   PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(inputs_[input], HeadBytes::kLeft));
-  Measured measured;
-  PSS_ASSIGN(measured.count, visit_positions(*reader, kept_, monitor_,
-                                             [&](std::uint64_t record, const World3& position) {
-                                               measured.bounds.add(position);
-                                               survey_.add(input, record, position);
-                                             }));
-  return measured;
+  return read_positions(*reader, kept_, monitor_, [&](std::uint64_t record, const World3& at) {
+    survey_.add(input, record, at);
+  });
 }
 
 Result<double> InputSurvey::spacing_beside(double step) const {

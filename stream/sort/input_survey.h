@@ -20,13 +20,8 @@ class InputSurvey {
               Monitor& monitor)
       : inputs_(inputs), kept_(kept), monitor_(monitor) {}
 
-  /// What a reading of one input shows.
-  struct Measured {
-    std::uint64_t count = 0;  ///< records, also those that are passed over
-    WorldBox bounds;
-  };
   /// Reads an input whole. `promised` is how many records are expected.
-  Result<Measured> measure(std::size_t input, std::uint64_t promised);
+  Result<Extent> measure(std::size_t input, std::uint64_t promised);
 
   /// Of the inputs that were measured.
   const WorldBox& bounds() const { return survey_.bounds(); }

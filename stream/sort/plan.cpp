@@ -171,8 +171,8 @@ class Planner {
 
   Result<void> measure_one(std::size_t number) {
     Input& input = inputs_[number];
-    PSS_ASSIGN(const InputSurvey::Measured found, survey_.measure(number, input.count));
-    input.count = found.count;
+    PSS_ASSIGN(const Extent found, survey_.measure(number, input.count));
+    input.count = found.records;
     input.measured = found.bounds;
     return {};
   }
