@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/parallel.h"
+#include "io/formats/table.h"
 #include "stream/limit/memory.h"
 
 namespace pss {
@@ -201,12 +202,15 @@ Result<ScaleChoice> parse_scale_or_auto(std::string_view text) {
 }
 
 void GridOptions::declare(Arguments& arguments) {
+  const std::string gridded = gridded_formats(", ");
   arguments.option("--scale", "S|X,Y,Z|auto",
-                   "LAS: step of the written coordinates; auto: the finest that holds them "
-                   "[the input's]",
+                   gridded +
+                       ": step of the written coordinates; auto: the finest that holds them "
+                       "[the input's]",
                    scale, parse_scale_or_auto);
-  arguments.option("--offset", "X,Y,Z", "LAS: origin of the written coordinates [the input's]",
-                   offset, parse_triple);
+  arguments.option("--offset", "X,Y,Z",
+                   gridded + ": origin of the written coordinates [the input's]", offset,
+                   parse_triple);
 }
 
 void JobOptions::declare(Arguments& arguments) {

@@ -56,7 +56,7 @@ struct ReportOptions {
   void declare_report(Arguments& arguments);
 };
 
-/// The steps of a LAS file's coordinates, chosen by hand or by pss.
+/// The steps of integer coordinates in a file, chosen by hand or by pss.
 struct ScaleChoice {
   bool automatic = false;  ///< the finest that holds the points
   std::optional<World3> steps;
@@ -64,7 +64,7 @@ struct ScaleChoice {
 /// "auto", or as parse_scale.
 Result<ScaleChoice> parse_scale_or_auto(std::string_view text);
 
-/// The scale and offset of a LAS output.
+/// The scale and offset of an output of a format with an integer grid.
 struct GridOptions {
   ScaleChoice scale;
   std::optional<World3> offset;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "io/formats/las/las_plan.h"
 #include "io/points/common_crs.h"
 #include "io/points/integer_grid.h"
 #include "io/points/position_survey.h"
@@ -45,13 +44,12 @@ double coarsest_step(const Lattice& grid, const WorldBox& bounds) {
 class Planner {
  public:
   Planner(Readers readers, std::optional<Carry> carry, const std::string& output,
-          const ConvertOptions& options, Monitor& monitor)
-      : readers_(readers), output_(output), options_(options), monitor_(monitor) {
+          const Format& format, const ConvertOptions& options, Monitor& monitor)
+      : readers_(readers), output_(output), format_(format), options_(options), monitor_(monitor) {
     write_.carry = std::move(carry);
   }
 
   Result<WriteOptions> plan() {
-    PSS_ASSIGN(write_.format, format_for(output_));
     PSS_TRY(check_crs(readers_));
     write_.schema = united_schema(readers_);
     write_.grid = common_grid(readers_);
@@ -60,7 +58,7 @@ class Planner {
     write_.same_points = readers_.size() == 1 && write_.carry && !options_.scale &&
                          !options_.offset && !options_.drop_outside;
     PSS_TRY(take_bounds());
-    if (write_.format == Format::kLas && !write_.same_points) PSS_TRY(check_grid());
+    if (format_.integer_grid && !write_.same_points) PSS_TRY(check_grid());
     return std::move(write_);
   }
 
@@ -68,7 +66,7 @@ class Planner {
   /// Count and bounds: as promised, or by reading where nothing is promised.
   Result<void> take_bounds() {
     const bool one_grid = readers_.size() == 1 && write_.grid;
-    const bool needs_bounds = write_.format == Format::kLas && !one_grid;
+    const bool needs_bounds = format_.integer_grid && !one_grid;
     WorldBox bounds;
     for (std::size_t i = 0; i < readers_.size(); ++i) {
       const CloudHeader& header = readers_[i]->header();
@@ -134,9 +132,8 @@ class Planner {
 
   /// The grid that the writer makes of what is known.
   Result<Lattice> planned_grid() const {
-    WriteOptions copy = write_;  // whose carried header is taken
-    PSS_ASSIGN(const LasPlan plan, plan_las(output_, copy));
-    return plan.header.grid();
+    PSS_ASSIGN(const std::optional<Lattice> grid, format_.plan(output_, write_));
+    return *grid;
   }
 
   /// Whether the scale is neither by hand nor that of an input.
@@ -172,6 +169,7 @@ class Planner {
 
   Readers readers_;
   const std::string& output_;
+  const Format& format_;
   const ConvertOptions& options_;
   Monitor& monitor_;
   WriteOptions write_;
@@ -182,18 +180,18 @@ class Planner {
 
 }  // namespace
 
-std::optional<Carry> carry_for(Readers readers, Format format) {
+std::optional<Carry> carry_for(Readers readers, const Format& format) {
   for (const Reader* reader : readers) {
     const Carry& carry = reader->header().carry;
-    if (carry.format == format && !carry.head.empty()) return carry;
+    if (carry.family == format.family && !carry.head.empty()) return carry;
   }
   return std::nullopt;
 }
 
 Result<WriteOptions> plan_conversion(Readers readers, std::optional<Carry> carry,
-                                     const std::string& output, const ConvertOptions& options,
-                                     Monitor& monitor) {
-  return Planner(readers, std::move(carry), output, options, monitor).plan();
+                                     const std::string& output, const Format& format,
+                                     const ConvertOptions& options, Monitor& monitor) {
+  return Planner(readers, std::move(carry), output, format, options, monitor).plan();
 }
 
 }  // namespace pss

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "io/open.h"
+
 namespace pss {
 namespace {
 

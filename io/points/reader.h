@@ -2,8 +2,6 @@
 // Reads the points of one file in order, in bounded memory, whatever the format.
 
 #include <cstdint>
-#include <memory>
-#include <string>
 
 #include "core/result.h"
 #include "io/points/points.h"
@@ -39,14 +37,5 @@ class Reader {
 /// Whether a reader holds the bytes that another file would carry on: of the first of many inputs
 /// they are wanted, of the others they would only add up.
 enum class HeadBytes : std::uint8_t { kKept, kLeft };
-
-/// Opens a file by its content, not its name.
-///
-/// Errors: kFailed where it cannot be opened, kBadInput where it is of no supported format.
-Result<std::unique_ptr<Reader>> open_reader(const std::string& path);
-
-/// The same. With kLeft the header's `carry` may be empty, and opening takes little memory, however
-/// large the file's head is; `carry_size` tells what it would hold.
-Result<std::unique_ptr<Reader>> open_reader_holding(HeadBytes bytes, const std::string& path);
 
 }  // namespace pss

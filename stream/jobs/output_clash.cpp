@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "io/inputs.h"
-#include "io/points/reader.h"
-#include "io/points/writer.h"
+#include "io/open.h"
 #include "stream/jobs/smooth_job.h"
 #include "stream/passes/outputs.h"
 
@@ -39,7 +38,6 @@ Result<void> check_names(const SmoothJob& job, const Schema& source) {
 Result<void> check_file(const SmoothJob& job, const StoreHeader& source, const Schema& result) {
   if (is_store_name(job.output)) return {};
   WriteOptions options;
-  PSS_ASSIGN(options.format, format_for(job.output));
   options.schema = result;
   options.grid = source.lattice;
   options.carry = source.carry;

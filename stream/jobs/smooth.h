@@ -30,9 +30,9 @@ struct SmoothOptions {
   bool replace_attributes = false;  ///< outputs may take the place of attributes of the inputs
   std::optional<double> buffer;
   bool allow_inexact = false;
-  std::optional<World3> scale;   ///< of a LAS output
+  std::optional<World3> scale;   ///< of an output with an integer grid
   bool scale_auto = false;       ///< the finest scale that holds the result
-  std::optional<World3> offset;  ///< of a LAS output
+  std::optional<World3> offset;  ///< of an output with an integer grid
   std::uint32_t tile_points = kTilePoints;
   std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
   // How the job runs.

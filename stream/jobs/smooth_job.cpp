@@ -7,8 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "io/file/fingerprint.h"
+#include "io/formats/table.h"
 #include "io/inputs.h"
-#include "io/points/writer.h"
+#include "io/open.h"
 #include "stream/jobs/smooth_json.h"
 #include "stream/jobs/smooth_method.h"
 
@@ -80,7 +81,7 @@ ProjectParameters parameters_for(const SmoothJob& job, const ChosenWidths& width
 /// Refuses an output of no known format, and a grid for one that has none.
 Result<void> check_format(const SmoothJob& job) {
   const SmoothOptions& options = job.options;
-  std::optional<Format> format;
+  const Format* format = nullptr;
   if (!is_store_name(job.output)) {
     PSS_ASSIGN(format, format_for(job.output));
   }
@@ -169,25 +170,25 @@ IngestOptions ingest_options(const SmoothJob& job) {
   IngestOptions options;
   options.tile_points = job.options.tile_points;
   options.drop_outside = job.options.drop_outside;
-  const Result<Format> format = format_for(job.output);
-  if (format && *format == Format::kLas) options.las_output = export_options(job);
+  const Format* format = format_by_extension(job.output);
+  if (format && format->integer_grid) options.gridded_output = export_options(job);
   return options;
 }
 
 Result<void> check_output_box(const Store& source, const SmoothJob& job) {
   if (is_store_name(job.output)) return {};
-  PSS_ASSIGN(const Format format, format_for(job.output));
-  return check_export_box(source, 0, format, export_options(job));
+  PSS_ASSIGN(const Format* format, format_for(job.output));
+  return check_export_box(source, 0, *format, export_options(job));
 }
 
 Result<std::string> check_output_grid(const Store& source, const SmoothJob& job,
                                       const ChosenWidths& widths, Monitor& monitor) {
   if (is_store_name(job.output)) return std::string();
-  PSS_ASSIGN(const Format format, format_for(job.output));
+  PSS_ASSIGN(const Format* format, format_for(job.output));
   const double room = room_for_moves(widths);
   const ExportOptions options = export_options(job);
-  if (is_store_input(job)) return check_export(source, room, format, options, monitor);
-  return check_export(source, room, format, options, monitor, "leave such points out with");
+  if (is_store_input(job)) return check_export(source, room, *format, options, monitor);
+  return check_export(source, room, *format, options, monitor, "leave such points out with");
 }
 
 Result<ProjectOperator> project_operator(const Source& source, const SmoothJob& job,
@@ -196,9 +197,10 @@ Result<ProjectOperator> project_operator(const Source& source, const SmoothJob& 
   parameters.method = method_of(job.options);
   parameters.outputs = job.options.outputs;
   if (!is_store_name(job.output)) {
-    PSS_ASSIGN(const Format format, format_for(job.output));
-    parameters.grid = export_grid(source.header(), world_bounds_of(source.store()),
-                                  room_for_moves(widths), format, export_options(job));
+    PSS_ASSIGN(const Format* format, format_for(job.output));
+    if (format->integer_grid)
+      parameters.grid = export_grid(source.header(), world_bounds_of(source.store()),
+                                    room_for_moves(widths), export_options(job));
   }
   return ProjectOperator::create(source, parameters);
 }

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/inputs.h"
-#include "io/points/writer.h"
+#include "io/formats/table.h"
 #include "stream/jobs/smooth_job.h"
 
 namespace pss {
@@ -17,11 +16,10 @@ double refining_bytes(const Lattice& coarse, const Lattice& fine) {
   return bits / 8;
 }
 
-/// Of a point in a file; digits take about three times what numbers do.
+/// The most that a point takes in a file.
 std::uint64_t output_bytes(const std::string& path, std::size_t row_bytes) {
-  const Result<Format> format = format_for(path);
-  const bool text = format && *format == Format::kText;
-  return (text ? 3 : 1) * (3 * sizeof(std::int32_t) + row_bytes);
+  const Format* format = format_by_extension(path);
+  return (format ? format->bytes_factor : 1) * (3 * sizeof(std::int32_t) + row_bytes);
 }
 
 }  // namespace

@@ -19,8 +19,9 @@ struct IngestOptions {
   std::uint32_t tile_points = kTilePoints;
   std::optional<World3> scale;           ///< lattice step by hand
   std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
-  /// How a LAS file will be written of the store, where one will: it must hold the points.
-  std::optional<ExportOptions> las_output;
+  /// How a file of a format with an integer grid will be written of the store, where one will: it
+  /// must hold the points.
+  std::optional<ExportOptions> gridded_output;
   SyncSizes sync;
   bool source_column = false;  ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
 };
@@ -41,8 +42,8 @@ struct IngestPlan {
 ///
 /// Errors: kBadInput for CRS mismatch, no common lattice, unsupported or damaged files, and for
 ///         floating-point positions of which some lie so far away that the lattice, or the grid
-///         that a LAS output would get, is too coarse for the spacing of the others; kFailed for
-///         files that changed since.
+///         that a gridded output would get, is too coarse for the spacing of the others; kFailed
+///         for files that changed since.
 Result<IngestPlan> plan_ingest(std::vector<InputRecord> inputs, const IngestOptions& options,
                                Monitor& monitor);
 /// The same of files as they are now.

@@ -24,6 +24,8 @@ namespace {
 /// So many steps a side of the bounds has at least on the lattice that is chosen for them.
 constexpr double kLeastLatticeSteps = 0x1p40;
 
+double coarsest_step(const Lattice& grid) { return *std::ranges::max_element(grid.scale); }
+
 /// What is kept of an input's header: there may be very many.
 struct Input {
   const InputRecord& record;
@@ -137,11 +139,11 @@ class Planner {
       PSS_TRY(measure_one(i));
       PSS_TRY(check_places(input.record.path, *input.measured));
     }
-    const auto& output = options_.las_output;
+    const auto& output = options_.gridded_output;
     return output && chooses_scale(plan_.header, *output) ? check_chosen_scale() : Result<void>();
   }
 
-  /// A LAS output gets the finest scale that holds the points, instead of that of the inputs.
+  /// The output gets the finest scale that holds the points, instead of that of the inputs.
   Result<void> check_chosen_scale() {
     for (std::size_t i = 0; i < inputs_.size(); ++i)
       if (!inputs_[i].measured) PSS_TRY(measure_one(i));
@@ -151,14 +153,14 @@ class Planner {
   /// Whether positions within `bounds` have a place on the lattice, and in the output.
   Result<void> check_places(const std::string& path, const WorldBox& bounds) const {
     PSS_TRY(check_fits(path, bounds, plan_.header.lattice));
-    if (!options_.las_output) return {};
+    if (!options_.gridded_output) return {};
     const WorldBox all = all_bounds();
-    return check_integer_grid(path, *output_grid(all), bounds, all);
+    return check_integer_grid(path, output_grid(all), bounds, all);
   }
 
-  std::optional<Lattice> output_grid(const WorldBox& bounds) const {
-    if (!options_.las_output) return std::nullopt;
-    return export_grid(plan_.header, bounds, 0, Format::kLas, *options_.las_output);
+  /// Requires: a gridded output.
+  Lattice output_grid(const WorldBox& bounds) const {
+    return export_grid(plan_.header, bounds, 0, *options_.gridded_output);
   }
 
   /// Of all inputs, as far as they are known.
@@ -180,15 +182,14 @@ class Planner {
   /// The lattice is as fine as the bounds allow, so a single far point makes it coarse for all: no
   /// point may be rounded by more than a small share of the way to its neighbours.
   Result<void> check_steps(double step) {
-    const bool las_chosen =
-        options_.las_output && chooses_scale(plan_.header, *options_.las_output);
-    if (las_chosen)
-      step = std::max(step, *std::ranges::max_element(output_grid(survey_.bounds())->scale));
+    const bool scale_chosen =
+        options_.gridded_output && chooses_scale(plan_.header, *options_.gridded_output);
+    if (scale_chosen) step = std::max(step, coarsest_step(output_grid(survey_.bounds())));
     PSS_ASSIGN(plan_.spacing, survey_.spacing_beside(step));
     if (options_.scale) return note_coarse_scale();
     if (!too_coarse(step, plan_.spacing)) return {};
     return survey_.too_coarse_step(step, plan_.spacing,
-                                   las_chosen ? kLeastGridSteps : kLeastLatticeSteps);
+                                   scale_chosen ? kLeastGridSteps : kLeastLatticeSteps);
   }
 
   Result<void> note_coarse_scale() {
@@ -207,7 +208,7 @@ class Planner {
     if (options_.scale) plan_.header.grid = plan_.header.lattice;
     for (const Input& input : inputs_) PSS_TRY(check_places(input.record.path, *input.measured));
     if (bounds.empty()) return {};
-    return check_steps(*std::ranges::max_element(plan_.header.lattice.scale));
+    return check_steps(coarsest_step(plan_.header.lattice));
   }
 
   Result<void> beyond_any_lattice(std::size_t axis) {

@@ -7,16 +7,15 @@
 #include <utility>
 
 #include "io/inputs.h"
+#include "io/open.h"
 #include "io/points/integer_grid.h"
-#include "io/points/writer.h"
 
 namespace pss {
 namespace {
 
-WriteOptions write_options(const Store& store, Format format, const ExportOptions& options) {
+WriteOptions write_options(const Store& store, const Format& format, const ExportOptions& options) {
   const StoreHeader& header = store.header();
   WriteOptions write;
-  write.format = format;
   write.schema = header.schema;
   write.grid = header.lattice;
   write.count = store.points();
@@ -25,10 +24,10 @@ WriteOptions write_options(const Store& store, Format format, const ExportOption
   write.rules = options.rules;
   // Positions that came as floating point are known to half a step of their lattice.
   if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
-  const auto grid = export_grid(header, *write.bounds, 0, format, options);
-  if (grid) {
-    write.scale = grid->scale;
-    write.offset = grid->origin;
+  if (format.integer_grid) {
+    const Lattice grid = export_grid(header, *write.bounds, 0, options);
+    write.scale = grid.scale;
+    write.offset = grid.origin;
   }
   return write;
 }
@@ -65,9 +64,8 @@ bool chooses_scale(const StoreHeader& header, const ExportOptions& options) {
   return !options.scale && (options.scale_auto || !header.grid);
 }
 
-std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
-                                   Format format, const ExportOptions& options) {
-  if (format != Format::kLas) return std::nullopt;
+Lattice export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
+                    const ExportOptions& options) {
   Lattice grid =
       header.grid && !options.scale_auto ? *header.grid : integer_grid_with_room(bounds, margin);
   if (options.scale) grid.scale = *options.scale;
@@ -91,15 +89,15 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
              budget.take(export_memory(row, store.points()),
                          fmt::format("{}: writing rows of {} bytes", store.path(), row)));
   PSS_TRY(check_output(std::array{store.path()}, output));
-  PSS_ASSIGN(const Format format, format_for(output));
+  PSS_ASSIGN(const Format* format, format_for(output));
   PSS_TRY(check_grid_options(output, format, options.scale || options.scale_auto,
                              options.offset.has_value()));
   std::string note;
   if (!options.checked) {
-    PSS_ASSIGN(note, check_export(store, 0, format, options, monitor));
+    PSS_ASSIGN(note, check_export(store, 0, *format, options, monitor));
   }
   PSS_ASSIGN(const std::unique_ptr<Writer> writer,
-             create_writer(output, write_options(store, format, options)));
+             create_writer(output, write_options(store, *format, options)));
   monitor.begin("write", store.points(), store.tiles().size());
   PointBatch batch;
   for (std::size_t t = 0; t < store.tiles().size(); ++t) {

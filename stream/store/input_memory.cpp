@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "io/file/file.h"
-#include "io/points/reader.h"
+#include "io/open.h"
 #include "stream/store/log.h"
 
 namespace pss {

@@ -17,7 +17,8 @@ namespace pss {
 using LeastMemory = std::function<std::uint64_t(const StoreHeader& header, std::uint64_t points)>;
 
 /// Takes what a job holds of its inputs' names and of the head of the first, for as long as it
-/// runs. A head is all that is carried on to a file of the same format: of LAS, header and VLRs.
+/// runs. A head is all that is carried on to a file of the same family of formats: of LAS, header
+/// and VLRs.
 ///
 /// Errors: kMemoryLimit where that and what the work takes do not fit, with a limit that does for
 ///         names, head and work; those of opening the first input.

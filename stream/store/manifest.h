@@ -29,9 +29,9 @@ struct StoreHeader {
   std::uint32_t tile_points = kTilePoints;
   bool ordered =
       true;  ///< rows in key order; false for results, whose rows keep their source's order
-  std::optional<Lattice> grid;  ///< scale and offset that a LAS file written from this gets
-  Carry carry;                  ///< header of the first input, for a file of the same format
-  Format source_format = Format::kLas;
+  std::optional<Lattice> grid;  ///< that a file written from this gets, if its format has one
+  Carry carry;                  ///< header of the first input, for a file of its family of formats
+  std::string source_format;    ///< Format::name of the first input; empty where it is no file
   std::string crs;
   std::vector<InputRecord> inputs;
   std::string parameters;  ///< JSON: what made the rows, beyond the inputs
@@ -40,7 +40,7 @@ struct StoreHeader {
 };
 /// A job has so many headers at once, bytes of them counted as one: the store that is read, the
 /// operator's for the result, and the bytes that are written to the result's log, read from a log,
-/// or made by a writer whose points need another LAS head.
+/// or made by a writer whose points need another head.
 inline constexpr std::uint64_t kHeaderCopies = 3;
 
 /// What a header's names and carried bytes hold, with the copies that a job has of them.

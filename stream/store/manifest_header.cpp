@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "stream/store/bytes.h"
@@ -10,6 +12,10 @@
 
 namespace pss {
 namespace {
+
+/// Version 1 of the format numbers the formats of files, and their families, in this order.
+constexpr std::array<std::string_view, 3> kNumberedFormats{"LAS", "PLY", "text"};
+constexpr std::uint8_t kNoFormat = 255;
 
 /// What a string holds beside its bytes, rounding by the allocator among it.
 constexpr std::uint64_t kStringBytes = 24;
@@ -106,17 +112,24 @@ Schema get_schema(ByteReader& r) {
   return r.ok() ? Schema(std::move(fields)) : Schema();
 }
 
+std::uint8_t number_of(const std::string& format) {
+  const auto found = std::ranges::find(kNumberedFormats, format);
+  if (found == kNumberedFormats.end()) return kNoFormat;
+  return static_cast<std::uint8_t>(found - kNumberedFormats.begin());
+}
+
 template <class Writer>
 void put(Writer& w, const Carry& carry) {
-  w.put(static_cast<std::uint8_t>(carry.format));
+  w.put(number_of(carry.family));
   w.bytes(carry.head);
   w.bytes(carry.tail);
 }
 
-Format get_format(ByteReader& r) {
-  const auto format = r.get<std::uint8_t>();
-  if (format > static_cast<std::uint8_t>(Format::kText)) return r.fail(), Format::kLas;
-  return static_cast<Format>(format);
+std::string get_format(ByteReader& r) {
+  const auto number = r.get<std::uint8_t>();
+  if (number == kNoFormat) return {};
+  if (number >= kNumberedFormats.size()) return r.fail(), std::string();
+  return std::string(kNumberedFormats[number]);
 }
 
 std::vector<std::byte> get_bytes(ByteReader& r) {
@@ -126,7 +139,7 @@ std::vector<std::byte> get_bytes(ByteReader& r) {
 
 Carry get_carry(ByteReader& r) {
   Carry carry;
-  carry.format = get_format(r);
+  carry.family = get_format(r);
   carry.head = get_bytes(r);
   carry.tail = get_bytes(r);
   return carry;
@@ -179,7 +192,7 @@ void encode(const StoreHeader& header, Take take) {
   w.template put<std::uint8_t>(header.grid.has_value());
   if (header.grid) put(w, *header.grid);
   put(w, header.carry);
-  w.put(static_cast<std::uint8_t>(header.source_format));
+  w.put(number_of(header.source_format));
   w.text(header.crs);
   w.put(static_cast<std::uint32_t>(header.inputs.size()));
   for (const InputRecord& input : header.inputs) put(w, input);

@@ -16,12 +16,20 @@ namespace {
 const std::string kStore = "/a.pss";
 constexpr std::uint64_t kLimit = std::uint64_t{128} << 20;
 
-StoreHeader header(Format format, const Bytes& carried) {
+/// Of the store's input, and the file that it is exported as.
+struct FormatChoice {
+  const char* name;
+  const char* output;
+};
+constexpr FormatChoice kChoices[] = {
+    {"LAS", "/out.las"}, {"PLY", "/out.ply"}, {"text", "/out.csv"}};
+
+StoreHeader header(const char* format, const Bytes& carried) {
   StoreHeader header;
   header.schema = small_schema();
   header.lattice = {{0.01, 0.01, 0.01}, {1, 2, 3}};
   header.grid = header.lattice;
-  header.carry = {.format = format, .head = carried, .tail = {}};
+  header.carry = {.family = format, .head = carried, .tail = {}};
   header.source_format = format;
   header.crs = "EPSG:2994";
   header.inputs = {{"/a.las", 7, 8, 9}};
@@ -44,26 +52,25 @@ Result<void> write_store(const StoreHeader& header) {
   return writer.finish("{}");
 }
 
-Bytes written(Format format, std::string_view carried) {
+Bytes written(unsigned char choice, std::string_view carried) {
   const SimulatedDisk disk;
-  require(write_store(header(format, bytes_of(carried))).has_value(), "cannot write a store");
-  const Bytes parts[] = {{std::byte{static_cast<unsigned char>(format)}},
+  require(write_store(header(kChoices[choice].name, bytes_of(carried))).has_value(),
+          "cannot write a store");
+  const Bytes parts[] = {{std::byte{choice}},
                          disk.content(manifest_path(kStore)),
                          disk.content(segment_path(kStore, 0))};
   return packed(parts);
 }
 
 /// Everything that reads a store: opening, verifying, exporting, going on with it.
-void use(Format format, bool finished) {
+void use(const FormatChoice& choice, bool finished) {
   MemoryBudget budget(kLimit, 1);
   Monitor monitor;
   const auto checked = verify_store(kStore, budget, monitor);
   const auto store = Store::open(kStore);
   require(checked.has_value() <= store.has_value(), "verified what cannot be opened");
   if (!store) return require(store.error().fault == Fault::kBadInput, store.error().message);
-  constexpr const char* kOutputs[] = {"/out.las", "/out.ply", "/out.csv"};
-  const auto exported =
-      export_store(*store, kOutputs[static_cast<std::size_t>(format)], {}, budget, monitor);
+  const auto exported = export_store(*store, choice.output, {}, budget, monitor);
   require(!exported || exported->points == store->points(), "exported another number of points");
   if (!finished) static_cast<void>(StoreWriter::resume(kStore, store->header()).has_value());
 }
@@ -71,11 +78,11 @@ void use(Format format, bool finished) {
 }  // namespace
 
 std::vector<Bytes> seeds() {
-  return {written(Format::kLas, las({.format = 1})),
-          written(Format::kPly,
+  return {written(0, las({.format = 1})),
+          written(1,
                   "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                   "property float y\nproperty float z\nend_header\n"),
-          written(Format::kText,
+          written(2,
                   "pss text 1\nextension csv\nseparator ,\ncounted 0\naxes 0 1 2\n"
                   "header \ncolumn x\ncolumn y\ncolumn z\ncolumn GpsTime\n")};
 }
@@ -92,6 +99,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   disk.put(finished ? manifest_path(test::kStore) : open_manifest_path(test::kStore), parts[1]);
   disk.put(segment_path(test::kStore, 0), parts[2]);
   const test::AllocationBound bound(test::kLimit + 256 * size);
-  test::use(static_cast<Format>(choice % 3), finished);
+  test::use(test::kChoices[choice % 3], finished);
   return 0;
 }

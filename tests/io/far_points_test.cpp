@@ -8,6 +8,7 @@
 #include <string>
 
 #include "io/convert.h"
+#include "io/open.h"
 #include "tests/io/formats/las/las_bytes.h"
 #include "tests/io/point_files.h"
 #include "tests/support/named_numbers.h"

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/formats/las/las_file.h"
+#include "io/formats/las/las_format.h"
 #include "io/formats/las/las_rebuild.h"
 #include "io/points/integer_grid.h"
 
@@ -39,7 +40,8 @@ LasHead fresh_head(const Schema& schema) {
 }
 
 bool carries_las(const WriteOptions& options) {
-  return options.carry && options.carry->format == Format::kLas && !options.carry->head.empty();
+  return options.carry && options.carry->family == kLasFormat.family &&
+         !options.carry->head.empty();
 }
 
 Result<LasHead> base_head(const std::string& path, WriteOptions& options, const Schema& schema) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "io/open.h"
 #include "io/synth/synth.h"
 #include "stream/sort/ingest_memory.h"
 #include "tests/stream/ingest_fixture.h"
@@ -33,7 +34,6 @@ class RunSizes : public Monitor {
 void write_scan(const std::string& path, const SynthOptions& options) {
   const auto reader = expect_value(SynthReader::create(options));
   WriteOptions to;
-  to.format = Format::kLas;
   to.schema = reader->header().schema;
   to.grid = reader->header().grid;
   to.scale = to.grid->scale;

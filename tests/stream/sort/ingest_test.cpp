@@ -46,7 +46,7 @@ TEST(Ingest, KeepsScaleOffsetAndHeaderOfASingleFile) {
 
   EXPECT_EQ(plan.header.lattice, test::las_grid());
   EXPECT_EQ(plan.header.grid, test::las_grid());
-  EXPECT_EQ(plan.header.source_format, Format::kLas);
+  EXPECT_EQ(plan.header.source_format, "LAS");
   EXPECT_FALSE(plan.header.carry.head.empty());
   EXPECT_EQ(plan.points, 100u);
   EXPECT_EQ(plan.header.inputs.at(0).path, folder / "a.las");

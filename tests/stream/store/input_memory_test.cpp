@@ -129,7 +129,7 @@ TEST(IngestMemory, SucceedsWithWhatItSaysIsTheLeastWhateverTheRowsAndPoints) {
 TEST(StoreHeader, IsComparedWithItsBytesAsTheyLie) {
   StoreHeader header;
   header.schema = test::rich_schema();
-  header.carry = {Format::kLas, {std::byte{1}, std::byte{2}}, {std::byte{3}}};
+  header.carry = {"LAS", {std::byte{1}, std::byte{2}}, {std::byte{3}}};
   header.inputs = {{"a.las", 5, 6, 7}};
   std::vector<std::byte> bytes = encode_header(header);
   EXPECT_TRUE(is_encoded(header, bytes));

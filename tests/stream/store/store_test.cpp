@@ -18,8 +18,8 @@ StoreHeader rich_header() {
   header.lattice = {{0.01, 0.01, 0.001}, {500000, 4100000, -3.25}};
   header.schema = test::rich_schema();
   header.grid = header.lattice;
-  header.carry = {Format::kPly, std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}};
-  header.source_format = Format::kPly;
+  header.carry = {"PLY", std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}};
+  header.source_format = "PLY";
   header.crs = "EPSG:32633";
   header.inputs = {{"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}};
   header.parameters = R"({"radius":1.5})";
