@@ -114,9 +114,9 @@ class Tile : public Command {
 
  private:
   LeastMemory least_memory() const {
-    return [this](StoreHeader header, std::uint64_t points) {
+    return [this](StoreHeader header, std::uint64_t points, std::size_t unit) {
       header.tile_points = job_.ingest.tile_points;
-      return least_ingest_memory(header, points);
+      return least_ingest_memory(header, points, unit);
     };
   }
 

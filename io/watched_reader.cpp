@@ -17,6 +17,8 @@ class WatchedReader : public Reader {
 
   const CloudHeader& header() const override { return reader_->header(); }
 
+  std::size_t unit() const override { return reader_->unit(); }
+
   Result<void> read(std::size_t max, PointBatch& batch) override {
     if (auto read = reader_->read(max, batch); !read) return change_or(read.error(), expected_);
     return count_in(max, batch.size());

@@ -19,9 +19,19 @@ class Reader {
   /// Errors: kBadInput where the file is damaged or ends before the points it promised.
   virtual Result<void> read(std::size_t max, PointBatch& batch) = 0;
 
-  /// read() in two steps, for those who decode on many threads: `out.count` is how many there are.
+  /// The most records that the format decodes together, as those of a LAZ chunk: at least 1, and
+  /// not more than the header's count. 1 also where all records are decoded in order.
   ///
-  /// What a format can only read in order is decoded here already. Errors: those of read().
+  /// Nothing of a claim is trusted: whoever fetches asks the memory limit for so many first.
+  virtual std::size_t unit() const { return 1; }
+
+  /// read() in two steps, for those who decode on many threads: `out.count` is how many there are,
+  /// 0 only at the end.
+  ///
+  /// What a format can only read in order is decoded here already. Records that are decoded
+  /// together are fetched together: a reader gives fewer than `max` rather than cut them. Where
+  /// `max` is less than what is left of them, it gives that many, and decodes them all for it.
+  /// Errors: those of read().
   virtual Result<void> fetch(std::size_t max, RawPoints& out) {
     PSS_TRY(read(max, out.points));
     out.count = out.points.size();

@@ -160,7 +160,7 @@ Result<void> SmoothRun::sort_input(const Job& started) {
   const IngestOptions options = ingest_options(job_);
   PSS_ASSIGN(const IngestPlan plan, plan_ingest(started.record().inputs, options, monitor_));
   PSS_TRY(check_attributes(job_, plan.header));
-  PSS_TRY(check_least(job_, plan.header, plan.points, budget_));
+  PSS_TRY(check_least(job_, plan.header, plan.points, plan.unit, budget_));
   report_.notes.insert(report_.notes.end(), plan.notes.begin(), plan.notes.end());
   report_.plan_seconds = planning.seconds();
   const Stopwatch sorting;

@@ -17,8 +17,8 @@ namespace pss {
 namespace {
 
 LeastMemory least_of(const SmoothJob& job) {
-  return [&job](const StoreHeader& header, std::uint64_t points) {
-    return least_smooth_memory(job, header, points);
+  return [&job](const StoreHeader& header, std::uint64_t points, std::size_t unit) {
+    return least_smooth_memory(job, header, points, unit);
   };
 }
 
@@ -36,13 +36,13 @@ std::uint64_t tables_memory(std::uint32_t tile_points, std::uint64_t points) {
 }  // namespace
 
 std::uint64_t least_smooth_memory(const SmoothJob& job, const StoreHeader& header,
-                                  std::uint64_t points) {
+                                  std::uint64_t points, std::size_t unit) {
   StoreHeader sorted = header;
   sorted.tile_points = job.options.tile_points;
   Schema result = header.schema;
   static_cast<void>(OutputColumns::add_to(result, job.options.outputs).has_value());  // or as it is
   const std::size_t row = result.row_size();
-  const std::uint64_t sorting = is_store_input(job) ? 0 : least_ingest_memory(sorted, points);
+  const std::uint64_t sorting = is_store_input(job) ? 0 : least_ingest_memory(sorted, points, unit);
   const std::uint64_t widths = needs_spacing(job.options.widths) ? width_memory() : 0;
   const std::uint64_t writing = is_store_name(job.output) ? 0 : export_memory(row, points);
   const std::uint64_t computing = std::max(widths, block_memory(row, points));
@@ -56,13 +56,13 @@ Result<Reservation> reserve_inputs(const SmoothJob& job, MemoryBudget& budget) {
   const std::uint64_t bytes = memory_of(store.header());
   if (!budget.grow(header, bytes))
     return budget.refusal(store.path() + ": the header", bytes - header.bytes());
-  PSS_TRY(check_least(job, store.header(), store.points(), budget));
+  PSS_TRY(check_least(job, store.header(), store.points(), 1, budget));
   return header;
 }
 
 Result<void> check_least(const SmoothJob& job, const StoreHeader& header, std::uint64_t points,
-                         const MemoryBudget& budget) {
-  return check_least(header, points, least_of(job), budget);
+                         std::size_t unit, const MemoryBudget& budget) {
+  return check_least(header, points, unit, least_of(job), budget);
 }
 
 }  // namespace pss

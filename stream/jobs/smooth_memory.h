@@ -1,6 +1,7 @@
 #pragma once
 // What a smoothing job needs of the memory limit before it begins.
 
+#include <cstddef>
 #include <cstdint>
 
 #include "stream/jobs/smooth.h"
@@ -9,9 +10,10 @@
 namespace pss {
 
 /// The most that a stage of the job has at once, beside its input's head: of these rows and so many
-/// points. How dense the points are is known once they are sorted; a dense place may need more.
+/// points, read from files with so large a Reader::unit(). How dense the points are is known once
+/// they are sorted; a dense place may need more.
 std::uint64_t least_smooth_memory(const SmoothJob& job, const StoreHeader& header,
-                                  std::uint64_t points);
+                                  std::uint64_t points, std::size_t unit);
 
 /// reserve_inputs() for files, reserve_header() for a store, and in both cases the check that the
 /// job's stages have what they need.
@@ -19,6 +21,6 @@ Result<Reservation> reserve_inputs(const SmoothJob& job, MemoryBudget& budget);
 
 /// check_least() for the job.
 Result<void> check_least(const SmoothJob& job, const StoreHeader& header, std::uint64_t points,
-                         const MemoryBudget& budget);
+                         std::size_t unit, const MemoryBudget& budget);
 
 }  // namespace pss

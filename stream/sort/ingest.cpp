@@ -64,7 +64,7 @@ class Ingest {
     }
     PSS_ASSIGN(RunLog log, RunLog::open(runs_folder(work_dir_), plan_.header));
     log_ = std::move(log);
-    PSS_ASSIGN(memory_, divide_memory(plan_.header, plan_.points, budget_));
+    PSS_ASSIGN(memory_, divide_memory(plan_.header, plan_.points, plan_.unit, budget_));
     PSS_TRY(check_room());
     PSS_TRY(read_inputs());
     if (!done_) PSS_TRY(merge_runs());
@@ -132,9 +132,10 @@ class Ingest {
   }
 
   Result<void> fill(InputStream& in, Chunk& chunk) {
-    while (!in.ended() && chunk.room() >= memory_.batch_points) {
+    while (!in.ended() && chunk.room() >= memory_.batches.points) {
       const std::uint64_t before = in.summary().points_read;
-      PSS_TRY(in.read(std::min(chunk.room(), kReadAtOnce), memory_.batch_points, chunk, monitor_));
+      const std::size_t most = std::max(kReadAtOnce, memory_.batches.points);
+      PSS_TRY(in.read(std::min(chunk.room(), most), memory_.batches, chunk, monitor_));
       monitor_.advance(in.summary().points_read - before);
     }
     return {};

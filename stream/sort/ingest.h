@@ -8,6 +8,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/points/reader.h"
+#include "io/watched_reader.h"
 #include "stream/limit/memory.h"
 #include "stream/sort/early_sync.h"
 #include "stream/store/export.h"
@@ -24,6 +25,7 @@ struct IngestOptions {
   std::optional<ExportOptions> gridded_output;
   SyncSizes sync;
   bool source_column = false;  ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
+  OpenInput open = open_watched;  ///< what reads an input
 };
 
 /// What of the inputs decides the store: computed before any point is sorted.
@@ -32,6 +34,8 @@ struct IngestPlan {
   std::vector<std::string> inputs;
   std::vector<std::uint64_t> counts;  ///< points a file, as promised or measured
   std::uint64_t points = 0;           ///< their sum
+  std::size_t unit = 1;               ///< the most records that an input decodes together
+  OpenInput open = open_watched;
   std::optional<WorldBox> drop_outside;
   double spacing = 0;  ///< of the points, where all positions were read for the plan; 0: not known
   std::vector<std::string> notes;  ///< files whose points move onto the common lattice, ...

@@ -11,9 +11,9 @@
 #include "io/file/fingerprint.h"
 #include "io/points/common_crs.h"
 #include "io/points/integer_grid.h"
-#include "io/watched_reader.h"
 #include "stream/sort/common_lattice.h"
 #include "stream/sort/ingest.h"
+#include "stream/sort/ingest_memory.h"
 #include "stream/sort/input_stream.h"
 #include "stream/sort/input_survey.h"
 #include "stream/sort/placement.h"
@@ -40,7 +40,8 @@ class Planner {
   Planner(std::vector<InputRecord> inputs, const IngestOptions& options, Monitor& monitor)
       : options_(options),
         monitor_(monitor),
-        survey_(plan_.header.inputs, options.drop_outside, monitor) {
+        survey_(plan_.header.inputs, options.open, options.drop_outside, monitor) {
+    plan_.open = options.open;
     plan_.header.inputs = std::move(inputs);
     for (const InputRecord& record : plan_.header.inputs) plan_.inputs.push_back(record.path);
   }
@@ -68,8 +69,9 @@ class Planner {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while reading headers"};
       // The store keeps the first one's head; of the others only what points are read by is used.
       PSS_ASSIGN(const auto reader,
-                 open_watched(record, inputs_.empty() ? HeadBytes::kKept : HeadBytes::kLeft));
+                 options_.open(record, inputs_.empty() ? HeadBytes::kKept : HeadBytes::kLeft, {}));
       PSS_TRY(crs_.add(reader->header()));
+      PSS_TRY(take_unit(*reader));
       take(record, reader->header());
     }
     plan_.header.crs = crs_.take_text();
@@ -88,6 +90,15 @@ class Planner {
     inputs_.push_back({record, header.grid, kept(header.bounds), {}, header.count.value_or(0)});
     for (const std::string& warning : header.warnings)
       plan_.notes.push_back(fmt::format("{}: {}", record.path, warning));
+  }
+
+  Result<void> take_unit(const Reader& reader) {
+    plan_.unit = std::max(plan_.unit, reader.unit());
+    if (reader.unit() <= kLargestUnit) return {};
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: found {} records that are compressed together, expected at most "
+                             "{}; write the file anew with fewer",
+                             reader.header().path, reader.unit(), kLargestUnit)};
   }
 
   /// What the points that are kept can reach of `bounds`.

@@ -62,7 +62,7 @@ Shares predicted(SynthOptions scan, const IngestOptions& options = {}) {
   RunSizes monitor(folder / "work/runs");
   MemoryBudget budget = test::budget_of(24 << 20);
   const auto plan = expect_value(plan_ingest({folder / "a.las"}, options, monitor));
-  const auto memory = expect_value(divide_memory(plan.header, plan.points, budget));
+  const auto memory = expect_value(divide_memory(plan.header, plan.points, plan.unit, budget));
 
   const double bytes =
       expect_value(sample_bytes(plan, options.source_column, memory.chunk_points, monitor));
