@@ -54,12 +54,13 @@ Result<JobEstimate> from_store(const JobRequest& request, JobKind& kind, MemoryB
   JobEstimate estimate;
   estimate.from_store = true;
   if (!first) return estimate;
-  const Store& source = first->source->store;
+  const Store& source = first->source().store();
   PSS_TRY(check_output_grid(source, request, first->largest_move, monitor));
   estimate.points = source.points();
-  PSS_ASSIGN(const ScheduleEstimate schedule, estimate_operator(source, *first->op, budget));
+  PSS_ASSIGN(const ScheduleEstimate schedule,
+             estimate_operator(first->sources(), *first->op, budget));
   add_schedule(estimate, schedule, budget);
-  std::vector<StoreShape> shapes{shape_of(first->op->result_header())};
+  std::vector<StoreShape> shapes{shape_of(*first->op)};
   shapes.insert(shapes.end(), first->later.begin(), first->later.end());
   estimate.disk_bytes = job_space(request, stored_points(source), shapes).most();
   estimate.seconds = seconds_for(estimate, kind);

@@ -24,18 +24,24 @@ namespace pss {
 struct StoreShape {
   Lattice lattice;
   std::size_t row_bytes = 0;
+  bool columns_alone = false;  ///< without positions, to be joined to its source
 };
 StoreShape shape_of(const StoreHeader& header);
+StoreShape shape_of(const Operator& op);
 
-/// An operator over a store: its result is the store NAME.pss in the work directory.
+/// An operator over points: its result is the store NAME.pss in the work directory.
 struct Pass {
   std::string name;  ///< of a to z, 0 to 9 and '-', but "input", "replaced"; no other pass has it
-  std::unique_ptr<const PassSource> source;
+  std::unique_ptr<const PassSource> queries;
+  std::unique_ptr<const PassSource> neighbours = {};  ///< none: the queries'
   /// Its result's header has parameters that owned_by() has marked with the job's identity.
   std::unique_ptr<const Operator> op;
   double largest_move = 0;  ///< no pass of the job moves a point farther
   /// What the passes after it will store, as far as that is known: their room is made sure of.
   std::vector<StoreShape> later = {};
+
+  const Source& source() const { return queries->points(); }
+  PassSources sources() const { return {source(), neighbours ? neighbours->points() : source()}; }
 };
 
 /// The passes that a job may need, in their order.
@@ -76,7 +82,7 @@ class JobKind {
   /// The next pass, given what `job.done` has noted; empty: all is done, and the last pass's store
   /// is the result, or the sorted input where there was none. May measure.
   ///
-  /// Holds at most one store open at a time, and no operator but the one that it returns: each has
+  /// Holds no store of whole points open but what it returns, and one operator at a time: each has
   /// a header, whose memory is counted (kHeaderCopies).
   virtual Result<std::optional<Pass>> next(PassContext& job) = 0;
 

@@ -36,6 +36,7 @@ Result<void> check_free(const std::string& folder, std::uint64_t present, std::u
 }
 
 std::uint64_t store_bytes(const StoredPoints& source, const StoreShape& result) {
+  if (result.columns_alone) return source.points * result.row_bytes;
   const double more_a_point = refining_bytes(source.shape.lattice, result.lattice) +
                               static_cast<double>(result.row_bytes) -
                               static_cast<double>(source.shape.row_bytes);

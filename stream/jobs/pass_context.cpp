@@ -20,17 +20,25 @@ Result<void> check_given(const PassContext& job, const Store& store) {
   return check_attributes(job.request, job.kind, store.header());
 }
 
-Result<std::unique_ptr<const PassSource>> with_tables(Store store, MemoryBudget& budget) {
-  PSS_ASSIGN(Reservation tables,
-             budget.take(store.table_memory(),
-                         fmt::format("the table of {} tiles", store.tiles().size())));
-  return std::unique_ptr<const PassSource>(
-      std::make_unique<PassSource>(std::move(store), std::move(tables)));
+/// The memory of a store's table.
+Result<Reservation> tables_of(const Store& store, MemoryBudget& budget) {
+  return budget.take(store.table_memory(),
+                     fmt::format("the table of {} tiles", store.tiles().size()));
+}
+
+Result<std::unique_ptr<PassSource>> with_tables(Store store, MemoryBudget& budget) {
+  PSS_ASSIGN(Reservation tables, tables_of(store, budget));
+  return std::make_unique<PassSource>(std::move(store), std::move(tables));
 }
 
 }  // namespace
 
-Result<std::unique_ptr<const PassSource>> PassContext::open_input() const {
+Result<void> PassSource::join(Store columns, Reservation tables) {
+  columns_.push_back(std::make_unique<Open>(std::move(columns), std::move(tables)));
+  return points_.join(columns_.back()->store);
+}
+
+Result<std::unique_ptr<PassSource>> PassContext::open_input() const {
   const bool given = is_store_input(request);
   PSS_ASSIGN(Store store, Store::open(given ? request.inputs.front() : input_store_in(work_dir)));
   if (given) PSS_TRY(check_given(*this, store));
@@ -40,9 +48,15 @@ Result<std::unique_ptr<const PassSource>> PassContext::open_input() const {
   return with_tables(std::move(store), budget);
 }
 
-Result<std::unique_ptr<const PassSource>> PassContext::open_result(std::string_view pass) const {
+Result<std::unique_ptr<PassSource>> PassContext::open_result(std::string_view pass) const {
   PSS_ASSIGN(Store store, Store::open(pass_store_in(work_dir, pass)));
   return with_tables(std::move(store), budget);
+}
+
+Result<void> PassContext::join(PassSource& source, std::string_view pass) const {
+  PSS_ASSIGN(Store columns, Store::open(pass_store_in(work_dir, pass)));
+  PSS_ASSIGN(Reservation tables, tables_of(columns, budget));
+  return source.join(std::move(columns), std::move(tables));
 }
 
 }  // namespace pss

@@ -1,9 +1,7 @@
-// What the store of a result keeps of its job: result_summary() of stream/jobs/run_job.h and
-// owned_by() of stream/jobs/job_kind.h.
+// result_summary() of stream/jobs/run_job.h: what the store of a result keeps of its job.
 
 #include <nlohmann/json.hpp>
 
-#include "stream/jobs/job_kind.h"
 #include "stream/jobs/run_job.h"
 #include "stream/jobs/shallow_json.h"
 
@@ -41,21 +39,6 @@ void read_result_summary(const std::string& summary, JobReport& report, JobKind&
   } catch (const ordered_json::exception&) {
     // Another version's: what it says otherwise stays unknown.
   }
-}
-
-std::string owned_by(const std::string& identity, ordered_json parameters) {
-  parameters["job"] = identity;
-  return parameters.dump();
-}
-
-std::string owner_in(const std::string& parameters) {
-  const auto j = parse_shallow<ordered_json>(parameters);
-  const auto found = j.is_object() ? j.find("job") : j.end();
-  return found != j.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-StoreShape shape_of(const StoreHeader& header) {
-  return {header.lattice, header.schema.row_size()};
 }
 
 }  // namespace pss

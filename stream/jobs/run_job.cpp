@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <utility>
 
 #include "core/parallel.h"
@@ -49,11 +48,9 @@ Result<JobRecord> job_record(const JobRequest& request, const JobKind& kind) {
   return record;
 }
 
-/// The notes of all tiles as one, in row order.
-std::vector<std::byte> merged_notes(const Operator& op, std::span<const TileInfo> tiles) {
-  std::vector<std::byte> note;
-  for (const TileInfo& tile : tiles) op.merge_note(note, tile.note);
-  return note;
+/// Of the tiles of a source, those that a result has already.
+std::size_t tiles_done(const Source& source, const StoreWriter& result) {
+  return std::min<std::size_t>(source.tiles().size(), result.next_source());
 }
 
 /// One run of a job, in the order of the members.
@@ -188,30 +185,31 @@ Result<std::uint64_t> JobRun::bytes_present(const Job& started, const PassContex
 /// Refuses an output that cannot hold what the passes will make of the sorted input.
 Result<void> JobRun::check_first(const Pass& pass) {
   PSS_ASSIGN(const std::string note,
-             check_output_grid(pass.source->store, request_, pass.largest_move, monitor_));
+             check_output_grid(pass.source().store(), request_, pass.largest_move, monitor_));
   if (!note.empty()) report_.notes.push_back(note);
   return {};
 }
 
 Result<void> JobRun::check_pass_space(const Pass& pass, std::uint64_t present) const {
-  std::vector<StoreShape> shapes{shape_of(pass.op->result_header())};
+  std::vector<StoreShape> shapes{shape_of(*pass.op)};
   shapes.insert(shapes.end(), pass.later.begin(), pass.later.end());
-  return check_space(request_, job_space(request_, stored_points(pass.source->store), shapes),
+  return check_space(request_, job_space(request_, stored_points(pass.source().store()), shapes),
                      present);
 }
 
 /// Runs a pass into its store, or goes on with what is there.
 Result<DonePass> JobRun::run_pass(const Pass& pass, const std::string& path) {
   StageTimer timer(pass.name, report_.stages);
-  const Store& source = pass.source->store;
+  const Source& source = pass.source();
   const StoreHeader& header = pass.op->result_header();
   PSS_ASSIGN(StoreWriter result, is_store(path) ? StoreWriter::resume(path, header)
                                                 : StoreWriter::create(path, header));
   if (!result.complete()) {  // it may be so, too, where it was stopped while it was finished
     monitor_.begin(pass.name, source.points(), source.tiles().size());
-    for (const TileInfo& tile : result.tiles()) monitor_.advance(tile.count, 1);
+    for (const TileInfo& tile : source.tiles().first(tiles_done(source, result)))
+      monitor_.advance(tile.count, 1);
     PSS_ASSIGN(const ScheduleSummary schedule,
-               run_operator(source, *pass.op, result, budget_, monitor_));
+               run_operator(pass.sources(), *pass.op, result, budget_, monitor_));
     timer.set_schedule(schedule);
     PSS_TRY(result.finish(result_summary(report_, kind_)));
   }

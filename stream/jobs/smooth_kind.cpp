@@ -57,7 +57,7 @@ double usual_neighbours(const ChosenWidths& widths) {
 
 Pass pass_of(const char* name, std::unique_ptr<const PassSource> source, ProjectOperator op) {
   return {.name = name,
-          .source = std::move(source),
+          .queries = std::move(source),
           .op = std::make_unique<ProjectOperator>(std::move(op))};
 }
 
@@ -123,28 +123,29 @@ Result<std::optional<Pass>> SmoothKind::next(PassContext& job) {
     return std::optional(std::move(pass));
   }
   if (job.done.back().name == kProjection) return std::optional<Pass>();
-  PSS_ASSIGN(std::unique_ptr<const PassSource> source, job.open_result(kNormalsPass));
+  PSS_ASSIGN(std::unique_ptr<PassSource> source, job.open_input());
+  PSS_TRY(job.join(*source, kNormalsPass));
   PSS_ASSIGN(Pass pass, projection(std::move(source), job));
   return std::optional(std::move(pass));
 }
 
 /// Chooses the widths; then the projection itself, or the normals that it needs.
 Result<Pass> SmoothKind::first(PassContext& job) {
-  PSS_ASSIGN(std::unique_ptr<const PassSource> source, job.open_input());
-  PSS_TRY(choose_widths_for(source->store, job));
-  choices_.normals = normals_from(source->store.header().schema, choices_.method);
+  PSS_ASSIGN(std::unique_ptr<PassSource> source, job.open_input());
+  PSS_TRY(choose_widths_for(source->points(), job));
+  choices_.normals = normals_from(source->points().schema(), choices_.method);
   PSS_ASSIGN(Pass last, projection(std::move(source), job));
   if (choices_.normals != NormalsFrom::kFirstPass) return last;
-  const StoreShape result = shape_of(last.op->result_header());
+  const StoreShape result = shape_of(*last.op);
   last.op.reset();  // one operator at a time has a header
-  PSS_ASSIGN(ProjectOperator op, normals_of(last.source->store, job));
-  Pass pass = pass_of(kNormalsPass, std::move(last.source), std::move(op));
+  PSS_ASSIGN(ProjectOperator op, normals_of(last.source(), job));
+  Pass pass = pass_of(kNormalsPass, std::move(last.queries), std::move(op));
   pass.largest_move = largest_move();
   pass.later = {result};
   return pass;
 }
 
-Result<void> SmoothKind::choose_widths_for(const Store& source, PassContext& job) {
+Result<void> SmoothKind::choose_widths_for(const Source& source, PassContext& job) {
   const StageTimer timer("spacing", job.report.stages);
   PSS_ASSIGN(choices_.widths,
              choose_widths(source, job_.options.widths, choices_.method, job.budget, job.monitor));
@@ -173,29 +174,29 @@ ProjectParameters SmoothKind::parameters_for(const PassContext& job) const {
   return parameters;
 }
 
-Result<ProjectOperator> SmoothKind::normals_of(const Store& source, const PassContext& job) const {
+Result<ProjectOperator> SmoothKind::normals_of(const Source& source, const PassContext& job) const {
   ProjectParameters parameters = parameters_for(job);
   parameters.method = normals_method(choices_.method);
   parameters.only_normals = true;
   return ProjectOperator::create(source, parameters);
 }
 
-Result<ProjectOperator> SmoothKind::projection_of(const Store& source,
+Result<ProjectOperator> SmoothKind::projection_of(const Source& source,
                                                   const PassContext& job) const {
   ProjectParameters parameters = parameters_for(job);
   parameters.method = choices_.method;
   parameters.outputs = job_.options.outputs;
   PSS_ASSIGN(const std::optional<Format> file, sink_of(job_));
   if (file)
-    parameters.grid = export_grid(source.header(), world_bounds_of(source), largest_move(), *file,
-                                  export_options(job_));
+    parameters.grid = export_grid(source.header(), world_bounds_of(source.store()), largest_move(),
+                                  *file, export_options(job_));
   return ProjectOperator::create(source, parameters);
 }
 
 Result<Pass> SmoothKind::projection(std::unique_ptr<const PassSource> source,
                                     const PassContext& job) const {
-  PSS_ASSIGN(ProjectOperator op, projection_of(source->store, job));
-  PSS_TRY(check_buffer(job_.options, op.largest_reach()));
+  PSS_ASSIGN(ProjectOperator op, projection_of(source->points(), job));
+  PSS_TRY(check_buffer(job_.options, op.neighbourhood().largest_reach()));
   Pass pass = pass_of(kProjection, std::move(source), std::move(op));
   pass.largest_move = largest_move();
   return pass;
@@ -234,7 +235,7 @@ std::vector<StoreShape> SmoothKind::expect(const StoreHeader& source) {
   choices_.normals = normals_from(source.schema, choices_.method);
   std::vector<StoreShape> shapes;
   if (choices_.normals == NormalsFrom::kFirstPass)
-    shapes.push_back({source.lattice, source.schema.row_size() + sizeof(Normal)});
+    shapes.push_back({source.lattice, sizeof(Normal), true});
   const Result<Schema> schema = result_schema(source.schema);
   shapes.push_back({source.grid ? refined_lattice(source.lattice, {}, 0) : source.lattice,
                     (schema ? *schema : source.schema).row_size()});

@@ -37,10 +37,10 @@ class SmoothKind : public JobKind {
 
  private:
   Result<Pass> first(PassContext& job);
-  Result<void> choose_widths_for(const Store& source, PassContext& job);
+  Result<void> choose_widths_for(const Source& source, PassContext& job);
   ProjectParameters parameters_for(const PassContext& job) const;
-  Result<ProjectOperator> normals_of(const Store& source, const PassContext& job) const;
-  Result<ProjectOperator> projection_of(const Store& source, const PassContext& job) const;
+  Result<ProjectOperator> normals_of(const Source& source, const PassContext& job) const;
+  Result<ProjectOperator> projection_of(const Source& source, const PassContext& job) const;
   Result<Pass> projection(std::unique_ptr<const PassSource> source, const PassContext& job) const;
   /// No point moves farther than it looks.
   double largest_move() const;

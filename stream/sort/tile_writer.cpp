@@ -82,7 +82,8 @@ class TileCutter {
           ring_.get(begin, positions, rows);
         },
         [&](const EncodedBlock& block) { return store_.append(block); }, monitor_));
-    PSS_TRY(store_.commit_tile(cell, {}, store_.unsynced_bytes() >= commit_every_));
+    PSS_TRY(store_.commit_tile(cell, store_.next_source(), {},
+                               store_.unsynced_bytes() >= commit_every_));
     const TileInfo& tile = store_.tiles().back();
     early_sync_.grown(segment_path(store_.path(), tile.segment), tile.offset + tile.size);
     last_ = ring_.key(count - 1);

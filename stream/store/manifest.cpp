@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "io/file/file.h"
 #include "stream/store/block.h"
 #include "stream/store/bytes.h"
@@ -41,9 +43,10 @@ Cell get_cell(ByteReader& r) {
 
 TileInfo get_tile(ByteReader& r) {
   TileInfo tile;
+  tile.source = r.get<std::uint64_t>();
   tile.cell = get_cell(r);
   tile.count = r.get<std::uint64_t>();
-  tile.box = get_box(r);
+  if (tile.count > 0) tile.box = get_box(r);
   tile.blocks = r.get<std::uint32_t>();
   tile.segment = r.get<std::uint32_t>();
   tile.offset = r.get<std::uint64_t>();
@@ -61,12 +64,14 @@ bool follows(const TileInfo& tile, const TileInfo* previous) {
   return tile.segment == previous->segment + 1 && tile.offset == 0;
 }
 
+/// Whether the tile's counts and sizes go together: all of them are 0, or none is.
 bool plausible(const TileInfo& tile, const StoreHeader& header) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 62;
-  return tile.count > 0 && tile.count <= header.tile_points && tile.blocks > 0 &&
-         tile.blocks <= tile.count &&
+  if (tile.source >= kMost || tile.offset >= kMost) return false;
+  if (tile.count == 0) return tile.blocks == 0 && tile.size == 0 && tile.index_size == 0;
+  return tile.count <= header.tile_points && tile.blocks > 0 && tile.blocks <= tile.count &&
          tile.index_size == tile.blocks * index_entry_size(header.schema) &&
-         tile.size > tile.index_size && tile.size < kMost && tile.offset < kMost;
+         tile.size > tile.index_size && tile.size < kMost;
 }
 
 Error damaged(const std::string& path, std::uint64_t offset, const std::string& what) {
@@ -85,6 +90,7 @@ Result<void> add_tile(Manifest& m, const std::string& path, const LogRecord& rec
   const TileInfo* previous = m.tiles.empty() ? nullptr : &m.tiles.back();
   tile.first_row = m.points();
   const bool good = reader.finished() && plausible(tile, m.header) && follows(tile, previous) &&
+                    tile.source >= m.next_source() &&
                     (!previous || previous->cell.first <= tile.cell.first);
   if (!good)
     return damaged(path, record.offset,
@@ -111,11 +117,12 @@ Result<void> add_end(Manifest& m, const std::string& path, const LogRecord& reco
 std::vector<std::byte> encode_tile(const TileInfo& tile) {
   std::vector<std::byte> out;
   ByteWriter w(out);
+  w.put(tile.source);
   w.put(tile.cell.first.high);
   w.put(tile.cell.first.low);
   w.put(static_cast<std::uint8_t>(tile.cell.level));
   w.put(tile.count);
-  put(w, tile.box);
+  if (tile.count > 0) put(w, tile.box);
   w.put(tile.blocks);
   w.put(tile.segment);
   w.put(tile.offset);
@@ -143,6 +150,14 @@ std::size_t index_entry_size(const Schema& schema) {
 
 std::uint64_t Manifest::points() const {
   return tiles.empty() ? 0 : tiles.back().first_row + tiles.back().count;
+}
+
+std::uint64_t Manifest::next_source() const { return tiles.empty() ? 0 : tiles.back().source + 1; }
+
+std::uint32_t Manifest::segments() const {
+  const auto last = std::ranges::find_if(tiles.rbegin(), tiles.rend(),
+                                         [](const TileInfo& tile) { return tile.count > 0; });
+  return last == tiles.rend() ? 0 : last->segment + 1;
 }
 
 Result<void> Manifest::add(const std::string& path, const LogRecord& record) {

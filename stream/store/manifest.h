@@ -47,7 +47,11 @@ inline constexpr std::uint64_t kHeaderCopies = 3;
 std::uint64_t memory_of(const StoreHeader& header);
 
 /// What a tile's manifest record says.
+///
+/// A tile may be empty: whoever made it found no row to keep of its source tile. It has no blocks,
+/// no bytes and an empty box, and stands where the tile before it ends.
 struct TileInfo {
+  std::uint64_t source = 0;  ///< number of the source's tile that it was made of; see next_source()
   Cell cell;
   std::uint64_t first_row = 0;
   std::uint64_t count = 0;
@@ -90,6 +94,11 @@ struct Manifest {
   bool has_header = false;
 
   std::uint64_t points() const;
+  /// The number of the first tile of the source that comes after all that tiles were made of: where
+  /// whoever makes them goes on. A store that was not made of another numbers its own tiles.
+  std::uint64_t next_source() const;
+  /// How many segments hold tiles; empty tiles lie in none.
+  std::uint32_t segments() const;
   /// Checks a record against what came before it and takes it in.
   ///
   /// Errors: kBadInput with `path` and the record's offset.

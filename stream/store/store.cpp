@@ -14,12 +14,10 @@ namespace pss {
 namespace {
 
 /// The end of the last tile's bytes in each segment.
-std::vector<std::uint64_t> segment_ends(std::span<const TileInfo> tiles) {
-  std::vector<std::uint64_t> ends;
-  for (const TileInfo& tile : tiles) {
-    ends.resize(tile.segment + std::size_t{1});
-    ends[tile.segment] = tile.offset + tile.size;
-  }
+std::vector<std::uint64_t> segment_ends(const Manifest& manifest) {
+  std::vector<std::uint64_t> ends(manifest.segments());
+  for (const TileInfo& tile : manifest.tiles)
+    if (tile.count > 0) ends[tile.segment] = tile.offset + tile.size;
   return ends;
 }
 
@@ -103,7 +101,7 @@ Error Store::changed_or(Error error) const {
 }
 
 Result<void> Store::open_segments() {
-  const auto ends = segment_ends(manifest_.tiles);
+  const auto ends = segment_ends(manifest_);
   for (std::uint32_t n = 0; n < ends.size(); ++n) {
     const std::string segment = segment_path(path_, n);
     if (!exists(segment))
@@ -149,6 +147,7 @@ Result<void> Store::read_segment(const TileInfo& tile, std::uint64_t offset,
 
 Result<std::vector<BlockInfo>> Store::read_index(std::size_t number) const {
   const TileInfo& tile = manifest_.tiles[number];
+  if (tile.count == 0) return std::vector<BlockInfo>();
   const std::uint64_t offset = tile.offset + tile.size - tile.index_size;
   std::vector<std::byte> bytes(tile.index_size);
   PSS_TRY(read_segment(tile, offset, bytes));

@@ -39,6 +39,7 @@ class Store {
   /// What the tile table holds in memory; memory_of() tells that of the header.
   std::uint64_t table_memory() const;
 
+  /// The blocks of a tile, in row order; none where it is empty.
   Result<std::vector<BlockInfo>> read_index(std::size_t tile) const;
   /// Reads a tile's bytes against their checksums, decoding none. Errors: kBadInput.
   Result<void> check_bytes(std::size_t tile) const;

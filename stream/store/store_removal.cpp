@@ -24,7 +24,7 @@ bool is_part(const std::string& store, const std::string& name, const Manifest& 
   const std::string path = store + "/" + name;
   if (!is_store_file(name) || (is_directory(path) && !is_link(path))) return false;
   if (!manifest.complete || !is_numbered(name, "segment-")) return true;
-  return !manifest.tiles.empty() && path <= segment_path(store, manifest.tiles.back().segment);
+  return manifest.segments() > 0 && path <= segment_path(store, manifest.segments() - 1);
 }
 
 /// A store's manifest as far as it can be read.

@@ -15,7 +15,7 @@ namespace pss {
 namespace {
 
 IndexBox box_of_blocks(std::span<const BlockInfo> blocks) {
-  IndexBox box = blocks[0].box;
+  IndexBox box;
   for (const BlockInfo& block : blocks) box.add(block.box);
   return box;
 }
@@ -107,8 +107,8 @@ Result<void> StoreWriter::open_manifest(const std::string& name, const StoreHead
 /// Removes what no record speaks of: the end of the last segment, and segments after it.
 Result<void> StoreWriter::cut_segments() {
   std::uint32_t extra = 0;
-  if (!manifest_.tiles.empty()) {
-    const TileInfo& last = manifest_.tiles.back();
+  if (manifest_.segments() > 0) {
+    const TileInfo& last = manifest_.tiles.back();  // an empty one stands where points end
     PSS_ASSIGN(File file, File::open_to_write(segment_path(path_, last.segment)));
     PSS_ASSIGN(const std::uint64_t size, file.size());
     segment_number_ = last.segment;
@@ -129,7 +129,7 @@ Result<void> StoreWriter::cut_segments() {
 Result<void> StoreWriter::next_segment() {
   // Order: the full segment is on the disk, and the new one's name, before any record speaks of it.
   if (segment_) PSS_TRY(segment_->sync());
-  segment_number_ = manifest_.tiles.empty() ? 0 : manifest_.tiles.back().segment + 1;
+  segment_number_ = segment_ ? segment_number_ + 1 : 0;
   segment_size_ = 0;
   PSS_ASSIGN(File file, File::create_anew(segment_path(path_, segment_number_)));
   segment_ = std::move(file);
@@ -140,9 +140,9 @@ Result<void> StoreWriter::append(const EncodedBlock& block) {
   return failure_.guard([&] { return write_block(block); });
 }
 
-Result<void> StoreWriter::commit_tile(const Cell& cell, std::vector<std::byte> note,
-                                      bool sync_now) {
-  PSS_TRY(failure_.guard([&] { return end_tile(cell, std::move(note)); }));
+Result<void> StoreWriter::commit_tile(const Cell& cell, std::uint64_t source,
+                                      std::vector<std::byte> note, bool sync_now) {
+  PSS_TRY(failure_.guard([&] { return end_tile(cell, source, std::move(note)); }));
   return sync_now ? sync() : Result<void>();
 }
 
@@ -167,12 +167,21 @@ Result<void> StoreWriter::write_block(const EncodedBlock& block) {
   return {};
 }
 
-Result<void> StoreWriter::end_tile(const Cell& cell, std::vector<std::byte> note) {
-  assert(!blocks_.empty());
-  const auto index = encode_index(blocks_);
+/// Gives the bytes that were written: none for an empty tile.
+Result<std::vector<std::byte>> StoreWriter::write_index() {
+  std::vector<std::byte> index = encode_index(blocks_);
+  if (index.empty()) return index;
   PSS_TRY(segment_->write(segment_size_, index));
   segment_size_ += index.size();
+  return index;
+}
+
+Result<void> StoreWriter::end_tile(const Cell& cell, std::uint64_t source,
+                                   std::vector<std::byte> note) {
+  assert(source >= next_source());
+  PSS_ASSIGN(const std::vector<std::byte> index, write_index());
   TileInfo tile;
+  tile.source = source;
   tile.cell = cell;
   tile.first_row = manifest_.points();
   tile.count = count_rows(blocks_);
@@ -180,7 +189,7 @@ Result<void> StoreWriter::end_tile(const Cell& cell, std::vector<std::byte> note
   tile.box = box_of_blocks(blocks_);
   tile.blocks = static_cast<std::uint32_t>(blocks_.size());
   tile.segment = segment_number_;
-  tile.offset = blocks_[0].columns[0].offset;
+  tile.offset = blocks_.empty() ? segment_size_ : blocks_[0].columns[0].offset;
   tile.size = segment_size_ - tile.offset;
   tile.index_size = static_cast<std::uint32_t>(index.size());
   tile.index_hash = hash64(index);
@@ -195,7 +204,7 @@ Result<void> StoreWriter::write_records() {
   if (recorded_ == manifest_.tiles.size()) return {};
   // Order: points before the records that speak of them. Otherwise a power cut could leave a
   // record whose tile is not on the disk.
-  PSS_TRY(segment_->sync());
+  if (segment_) PSS_TRY(segment_->sync());
   for (; recorded_ < manifest_.tiles.size(); ++recorded_)
     PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kTile),
                          encode_tile(manifest_.tiles[recorded_])));

@@ -52,15 +52,21 @@ class StoreWriter {
   const std::string& path() const { return path_; }
   std::span<const TileInfo> tiles() const { return manifest_.tiles; }
   std::uint64_t points() const { return manifest_.points(); }
+  /// Where to go on: the number of the source's first tile that no tile was made of.
+  std::uint64_t next_source() const { return manifest_.next_source(); }
   bool complete() const { return manifest_.complete; }
   const std::string& summary() const { return manifest_.summary; }
 
   /// Appends a block of the tile that is being written.
   Result<void> append(const EncodedBlock& block);
-  /// Ends the tile: index, fsync of the segment, manifest record, fsync of the manifest.
+  /// Ends the tile: index, fsync of the segment, manifest record, fsync of the manifest. Without
+  /// blocks the tile is empty, and says that nothing is left of its source tile.
   ///
   /// Tiles may share the syncs: with `sync` false they become durable at the next commit with true.
-  Result<void> commit_tile(const Cell& cell, std::vector<std::byte> note = {}, bool sync = true);
+  /// Requires: `source`, the number of the tile that this one was made of, is not below
+  ///           next_source(), which is what a store that is made of no other passes.
+  Result<void> commit_tile(const Cell& cell, std::uint64_t source, std::vector<std::byte> note = {},
+                           bool sync = true);
   /// Makes all committed tiles durable.
   Result<void> sync();
   /// Bytes of tiles that are committed and not durable yet.
@@ -76,7 +82,8 @@ class StoreWriter {
   Result<void> cut_segments();
   Result<void> next_segment();
   Result<void> write_block(const EncodedBlock& block);
-  Result<void> end_tile(const Cell& cell, std::vector<std::byte> note);
+  Result<std::vector<std::byte>> write_index();
+  Result<void> end_tile(const Cell& cell, std::uint64_t source, std::vector<std::byte> note);
   Result<void> write_records();
   Result<void> end_store(const std::string& summary);
   Result<void> rename_manifest();

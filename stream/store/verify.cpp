@@ -65,7 +65,7 @@ class Verifier {
     const TileInfo& tile = store_.tiles()[t];
     check_cell(t);
     PSS_ASSIGN(const auto blocks, store_.read_index(t));
-    IndexBox box = blocks[0].box;
+    IndexBox box;
     for (const BlockInfo& block : blocks) {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while verifying"};
       box.add(block.box);

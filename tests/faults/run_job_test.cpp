@@ -40,14 +40,14 @@ class Rounds : public JobKind {
     if (!job.done.empty()) moves.push_back(rms_of(job.done.back()));
     if (!job.done.empty() && moves.back() < kSettled) return std::optional<Pass>();
     const std::size_t round = job.done.size() + 1;
-    PSS_ASSIGN(std::unique_ptr<const PassSource> source,
+    PSS_ASSIGN(std::unique_ptr<PassSource> source,
                job.done.empty() ? job.open_input() : job.open_result(job.done.back().name));
     ProjectParameters parameters;
     parameters.support = {1.0, 3.0};
     parameters.record = owned_by(job.identity, {{"round", round}});
-    PSS_ASSIGN(ProjectOperator op, ProjectOperator::create(source->store, parameters));
+    PSS_ASSIGN(ProjectOperator op, ProjectOperator::create(source->points(), parameters));
     return std::optional(Pass{.name = fmt::format("round-{}", round),
-                              .source = std::move(source),
+                              .queries = std::move(source),
                               .op = std::make_unique<ProjectOperator>(std::move(op)),
                               .largest_move = 3.0});
   }

@@ -29,15 +29,18 @@ StoreHeader header(Format format, const Bytes& carried) {
   return header;
 }
 
-/// Two tiles of two blocks each.
+/// Two tiles of two blocks each, and an empty one.
 Result<void> write_store(const StoreHeader& header) {
   PSS_ASSIGN(StoreWriter writer, StoreWriter::create(kStore, header));
   for (const std::int64_t first : {0, 64}) {
     for (const std::int64_t block : {0, 20})
       PSS_TRY(writer.append(encode_block(header.schema, small_positions(20, first + block),
                                          small_rows(20, header.schema))));
-    PSS_TRY(writer.commit_tile(cell_of(encode_key({first, 0, 0}), kLatticeBits - 6)));
+    PSS_TRY(writer.commit_tile(cell_of(encode_key({first, 0, 0}), kLatticeBits - 6),
+                               writer.next_source()));
   }
+  PSS_TRY(writer.commit_tile(cell_of(encode_key({128, 0, 0}), kLatticeBits - 6),
+                             writer.next_source() + 2));
   return writer.finish("{}");
 }
 

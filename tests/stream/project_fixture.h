@@ -67,7 +67,7 @@ inline ProjectParameters nearest_support() {
   return parameters;
 }
 
-inline Cloud project(const Store& source, const ProjectParameters& parameters,
+inline Cloud project(const Source& source, const ProjectParameters& parameters,
                      const std::string& path, std::uint64_t limit = 512 * kMiB) {
   MemoryBudget budget(limit, 1);
   Monitor monitor;

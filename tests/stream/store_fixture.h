@@ -82,7 +82,7 @@ inline Cloud random_cloud(std::size_t count, std::int64_t extent, std::size_t ro
   return cloud;
 }
 
-/// Appends the rows [begin, end) of a cloud as one tile of the whole lattice.
+/// Appends the rows [begin, end) of a cloud as one tile of the whole lattice; none: an empty one.
 inline Result<void> append_tile(StoreWriter& writer, const Schema& schema, const Cloud& cloud,
                                 std::size_t begin, std::size_t end, bool sync = true) {
   const std::size_t row = schema.row_size();
@@ -91,7 +91,7 @@ inline Result<void> append_tile(StoreWriter& writer, const Schema& schema, const
     PSS_TRY(writer.append(encode_block(schema, std::span(cloud.positions).subspan(i, n),
                                        std::span(cloud.rows).subspan(i * row, n * row))));
   }
-  return writer.commit_tile(Cell{}, {std::byte{7}, std::byte{9}}, sync);
+  return writer.commit_tile(Cell{}, writer.next_source(), {std::byte{7}, std::byte{9}}, sync);
 }
 
 /// Everything a store holds, read by blocks.

@@ -30,10 +30,10 @@ TEST(JobSpace, OfAResultWithNarrowerRowsIsNoSmallerThanItsSource) {
   EXPECT_EQ(space_to("out.las", {{kCoarse, 8 - 7}}).passes, std::vector<std::uint64_t>{8000000});
 }
 
-TEST(JobSpace, OfSeveralPassesHasTheRowsOfTheLastInTheOutput) {
-  const JobSpace space = space_to("out.las", {{kCoarse, 8 + 12}, {kFine, 8}});
+TEST(JobSpace, OfColumnsAloneCountsNoPositionsAndTheOutputHasTheLastRows) {
+  const JobSpace space = space_to("out.las", {{kCoarse, 12, true}, {kFine, 8}});
 
-  EXPECT_EQ(space.passes, (std::vector<std::uint64_t>{20000000, 11000000}));
+  EXPECT_EQ(space.passes, (std::vector<std::uint64_t>{12000000, 11000000}));
   EXPECT_EQ(space.output, (12 + 8) * 1000000u);
 }
 

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "core/parallel.h"
+#include "stream/passes/part_needs.h"
 #include "tests/stream/project_fixture.h"
 
 namespace pss {
@@ -34,11 +35,12 @@ std::uint64_t limit_leaving(std::uint64_t bytes) {
 /// What the first tile takes as one part.
 std::uint64_t bytes_of_first_tile(const Store& source, const ProjectParameters& parameters) {
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
-  const PartLoader loader(source, op.needs());
+  const Source points(source);
+  const PartLoader loader(points, op.needs());
   PartPlan plan = expect_value(loader.plan({0, 0, source.tiles()[0].blocks}));
-  plan.around = op.around(plan);
+  plan.around = op.neighbourhood().around(plan);
   expect_ok(loader.plan_near(plan, source.points()));
-  return op.bytes(plan);
+  return part_bytes(op, plan);
 }
 
 TEST(Project, EqualsTheSameComputationInMemory) {
@@ -155,7 +157,7 @@ TEST(Project, WidensTheHaloUntilEveryKthNeighbourIsCertain) {
   MemoryBudget budget(512 * kMiB, 1);
   Monitor monitor;
 
-  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+  const auto summary = expect_value(run_operator(Source(source), op, writer, budget, monitor));
   expect_ok(writer.finish("{}"));
 
   EXPECT_GT(summary.reloaded_parts, 0u);
@@ -175,7 +177,7 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
   for (bool done = false; !done;) {
     StopWithinSecondTile monitor;
     StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
-    const auto summary = run_operator(source, op, writer, budget, monitor);
+    const auto summary = run_operator(Source(source), op, writer, budget, monitor);
     done = summary.has_value();
     if (done) {
       expect_ok(writer.finish("{}"));
@@ -189,6 +191,36 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
   expect_equal(expect_value(read_all(expect_value(Store::open(folder / "r.pss")))), expected);
 }
 
+TEST(Project, PassesOverEmptyTilesAndRecordsThem) {
+  TemporaryDirectory folder;
+  const Cloud cloud = wave(4);
+  const Cloud expected =
+      project(store_of(cloud, folder / "s.pss", {2800}), fixed_support(), folder / "r.pss");
+  const Store source = store_of(cloud, folder / "e.pss", {0, 2800, 2800, kPoints});
+  ASSERT_EQ(source.tiles().size(), 5u);
+  const ProjectOperator op = expect_value(ProjectOperator::create(source, fixed_support()));
+  MemoryBudget budget(512 * kMiB, 1);
+  Monitor monitor;
+  EXPECT_EQ(expect_value(estimate_operator(Source(source), op, budget)).own_points, kPoints);
+  {
+    StoreWriter writer = expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
+    expect_ok(writer.commit_tile(source.tiles()[0].cell, 0));
+  }
+  StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
+
+  const auto summary = expect_value(run_operator(Source(source), op, writer, budget, monitor));
+  expect_ok(writer.finish("{}"));
+
+  EXPECT_EQ(summary.tiles, 4u);
+  const Store result = expect_value(Store::open(folder / "r.pss"));
+  ASSERT_EQ(result.tiles().size(), 5u);
+  for (std::size_t t = 0; t < 5; ++t) {
+    EXPECT_EQ(result.tiles()[t].source, t);
+    EXPECT_EQ(result.tiles()[t].count, source.tiles()[t].count);
+  }
+  expect_equal(expect_value(read_all(result)), expected);
+}
+
 TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
   TemporaryDirectory folder;
   const Cloud cloud = wave(5);
@@ -200,7 +232,7 @@ TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
   MemoryBudget budget(limit_leaving(kMiB / 4), 1);
   Monitor monitor;
 
-  const auto summary = run_operator(source, op, writer, budget, monitor);
+  const auto summary = run_operator(Source(source), op, writer, budget, monitor);
 
   ASSERT_FALSE(summary);
   EXPECT_EQ(summary.error().fault, Fault::kMemoryLimit);

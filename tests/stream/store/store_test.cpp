@@ -104,6 +104,99 @@ TEST(Store, HoldsNoPointsAtAllWhenNoneCame) {
   EXPECT_TRUE(store.complete());
 }
 
+TEST(Store, HoldsEmptyTilesBetweenOthersAndTheNumbersOfTheirSources) {
+  test::TemporaryDirectory folder;
+  const StoreHeader header = rich_header();
+  const test::Cloud cloud = test::random_cloud(600, 1000, header.schema.row_size(), 5);
+  const Cell cell{};
+  {
+    StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", header, 1000));
+    expect_ok(writer.commit_tile(cell, 0));
+    expect_ok(test::append_tile(writer, header.schema, cloud, 0, 300));  // of source tile 1
+    expect_ok(writer.commit_tile(cell, 4, {std::byte{3}}));
+    expect_ok(writer.commit_tile(cell, 6));
+    expect_ok(test::append_tile(writer, header.schema, cloud, 300, 600));  // of source tile 7
+    expect_ok(writer.commit_tile(cell, 8));
+    EXPECT_EQ(writer.next_source(), 9u);
+    expect_ok(writer.finish("{}"));
+  }
+
+  const Store store = expect_value(Store::open(folder / "s.pss"));
+
+  ASSERT_EQ(store.tiles().size(), 6u);
+  constexpr std::uint64_t kSources[] = {0, 1, 4, 6, 7, 8};
+  constexpr std::uint64_t kCounts[] = {0, 300, 0, 0, 300, 0};
+  for (std::size_t t = 0; t < 6; ++t) {
+    EXPECT_EQ(store.tiles()[t].source, kSources[t]);
+    EXPECT_EQ(store.tiles()[t].count, kCounts[t]);
+    EXPECT_EQ(store.tiles()[t].box.empty(), kCounts[t] == 0);
+    EXPECT_EQ(expect_value(store.read_index(t)).empty(), kCounts[t] == 0);
+  }
+  EXPECT_EQ(store.tiles()[2].note, std::vector<std::byte>{std::byte{3}});
+  EXPECT_EQ(store.tiles()[4].first_row, 300u);
+  expect_equal(expect_value(test::read_all(store)), cloud);
+}
+
+TEST(Store, OfEmptyTilesAloneHasNoSegment) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  StoreWriter writer = expect_value(StoreWriter::create(path, rich_header()));
+  for (std::uint64_t tile = 0; tile < 3; ++tile) expect_ok(writer.commit_tile(Cell{}, tile));
+  expect_ok(writer.finish("{}"));
+
+  const Store store = expect_value(Store::open(path));
+
+  EXPECT_EQ(store.tiles().size(), 3u);
+  EXPECT_EQ(store.points(), 0u);
+  EXPECT_FALSE(exists(segment_path(path, 0)));
+  test::write_bytes(segment_path(path, 0), {});
+  EXPECT_FALSE(check_removable(path)) << "a segment that no tile lies in is somebody else's";
+}
+
+TEST(StoreWriter, GoesOnBehindEmptyTiles) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  const StoreHeader header = rich_header();
+  const test::Cloud cloud = test::random_cloud(200, 1000, header.schema.row_size(), 6);
+  expect_ok(expect_value(StoreWriter::create(path, header)).commit_tile(Cell{}, 2));
+  test::write_bytes(segment_path(path, 0), std::vector<std::byte>(50));  // of a tile not committed
+  {
+    StoreWriter writer = expect_value(StoreWriter::resume(path, header));
+    EXPECT_EQ(writer.next_source(), 3u);
+    expect_ok(test::append_tile(writer, header.schema, cloud, 0, 200));
+    expect_ok(writer.commit_tile(Cell{}, 9));
+  }
+  const auto size = test::bytes_of(segment_path(path, 0)).size();
+  {
+    const StoreWriter writer = expect_value(StoreWriter::resume(path, header));
+    EXPECT_EQ(writer.next_source(), 10u);
+  }
+
+  StoreWriter writer = expect_value(StoreWriter::resume(path, header));
+  expect_ok(writer.finish("{}"));
+
+  EXPECT_EQ(test::bytes_of(segment_path(path, 0)).size(), size);
+  const Store store = expect_value(Store::open(path));
+  EXPECT_EQ(store.tiles()[1].source, 3u);
+  expect_equal(expect_value(test::read_all(store)), cloud);
+}
+
+TEST(Store, RefusesTilesThatAreNotInTheOrderOfTheirSources) {
+  Manifest manifest;
+  manifest.has_header = true;
+  TileInfo tile;
+  const auto add = [&](std::uint64_t source) {
+    tile.source = source;
+    const auto bytes = encode_tile(tile);
+    return manifest.add("m", {static_cast<std::uint32_t>(RecordType::kTile), 16, bytes});
+  };
+
+  EXPECT_TRUE(add(3).has_value());
+  EXPECT_FALSE(add(3).has_value());
+  EXPECT_FALSE(add(2).has_value());
+  EXPECT_TRUE(add(4).has_value());
+}
+
 /// Tiles whose manifest records end within the first `size` bytes.
 std::size_t tiles_within(std::size_t size, std::size_t header_end, std::size_t record) {
   return (size - header_end) / record;

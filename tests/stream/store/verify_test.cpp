@@ -74,12 +74,28 @@ TEST_F(Verify, ListsAllDamageUpToABound) {
   EXPECT_EQ(found.damage.size(), std::min<std::size_t>(found.tiles, kMostDamage));
 }
 
+TEST_F(Verify, FindsNothingWrongWithEmptyTiles) {
+  const Store store = expect_value(Store::open(folder_ / "s.pss"));
+  auto writer = expect_value(StoreWriter::create(folder_ / "thin.pss", store.header()));
+  const auto cloud = test::slice(test::sorted(test::sheet(5000, 1)), 0, 300);
+  test::expect_ok(writer.commit_tile(cell_of(encode_key({-1, -1, -1}), 1), 0));
+  test::expect_ok(writer.append(encode_block(test::las_schema(), cloud.positions, cloud.rows)));
+  test::expect_ok(writer.commit_tile(cell_of(encode_key({0, 0, 0}), 1), 1));
+  test::expect_ok(writer.finish("{}"));
+
+  const auto found = expect_value(verify(folder_ / "thin.pss"));
+
+  EXPECT_TRUE(found.sound());
+  EXPECT_EQ(found.tiles, 2u);
+  EXPECT_EQ(found.points, 300u);
+}
+
 TEST_F(Verify, FindsPointsOutOfOrderAndOutsideTheirCell) {
   const Store store = expect_value(Store::open(folder_ / "s.pss"));
   auto cloud = test::sheet(10, 1);  // as they come, in no order
   auto writer = expect_value(StoreWriter::create(folder_ / "bad.pss", store.header()));
   test::expect_ok(writer.append(encode_block(test::las_schema(), cloud.positions, cloud.rows)));
-  test::expect_ok(writer.commit_tile(cell_of(encode_key(cloud.positions[0]), 30)));
+  test::expect_ok(writer.commit_tile(cell_of(encode_key(cloud.positions[0]), 30), 0));
   test::expect_ok(writer.finish("{}"));
 
   const auto found = expect_value(verify(folder_ / "bad.pss"));

@@ -1,4 +1,4 @@
-#include "stream/operators/ball_bound.h"
+#include "stream/passes/ball_bound.h"
 
 #include <gtest/gtest.h>
 

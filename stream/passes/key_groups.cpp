@@ -1,4 +1,4 @@
-#include "stream/operators/key_groups.h"
+#include "stream/passes/key_groups.h"
 
 #include <algorithm>
 #include <bit>
