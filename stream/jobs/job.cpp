@@ -57,7 +57,7 @@ Result<bool> Job::is_complete() {
     PSS_ASSIGN(WorkDirectory work, WorkDirectory::open(request_.work_directory()));
     work_.emplace(std::move(work));
     record_.result = before->result;
-    record_.passes = before->passes;
+    take_passes(*before);
     return true;
   }
   const auto finished = recall_finished(request_.state_folder, request_.output);
@@ -141,13 +141,18 @@ Result<void> Job::take_over(const JobRecord& before) {
   if (!other.empty()) return other_job(work_->path(), other);
   if (sorted_only) {
     PSS_TRY(work_->remove_results(before));
-  } else {  // by equal parameters: of the same passes, or more
-    record_.passes = before.passes;
-    record_.may_grow = before.may_grow;
+  } else {
+    take_passes(before);
   }
   record_.result = before.result;
   resumed_ = true;
   return {};
+}
+
+/// An earlier run with equal parameters named the same passes, or more.
+void Job::take_passes(const JobRecord& before) {
+  record_.passes = before.passes;
+  record_.may_grow = before.may_grow;
 }
 
 Result<void> Job::begin_pass(const std::string& name) {

@@ -59,6 +59,7 @@ class Job {
   Result<void> open_work();
   Result<void> check_rename() const;
   Result<void> take_over(const JobRecord& before);
+  void take_passes(const JobRecord& before);
   Result<void> replace_store(const std::string& store);
   JobRequest request_;
   JobRecord record_;

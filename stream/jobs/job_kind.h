@@ -44,9 +44,9 @@ struct Pass {
   PassSources sources() const { return {source(), neighbours ? neighbours->points() : source()}; }
 };
 
-/// The passes that a job may need, in their order.
+/// The passes that a job may need, in their order; the last of them is always made.
 struct PassNames {
-  std::vector<std::string> names;
+  std::vector<std::string> names;  ///< the first of them at least, unless there is none at all
   bool may_grow = false;  ///< more may turn out to be needed, such as rounds until all is settled
 };
 
