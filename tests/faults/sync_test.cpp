@@ -19,7 +19,7 @@ std::map<std::string, int> harmless_syncs() {
       {"sync directory /out.ply.work", 12},
       {"sync directory /out.ply.work/runs", 1},
   };
-  for (const char* store : {"input", "normals", "result"}) {
+  for (const char* store : {"input", "normals", "smooth"}) {
     // The name of the log; its second name, which says no more than the end record in it.
     syncs[fmt::format("sync directory /out.ply.work/{}.pss", store)] = 2;
     // Of the tiles, whose records the sync of the end record covers, too.
