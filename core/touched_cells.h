@@ -123,7 +123,7 @@ struct TouchedCells {
   TouchedCells(const Lattice& lattice, const Query& query, double radius, int grid_shift) {
     const BallBox box(lattice, query, radius);
     shift = box.shift();
-    if (shift == grid_shift - 1) shift = grid_shift;
+    if (shift >= grid_shift - 3 && shift < grid_shift) shift = grid_shift;
     const CellSlabs x(lattice, query, box, shift, 0);
     const CellSlabs y(lattice, query, box, shift, 1);
     const CellSlabs z(lattice, query, box, shift, 2);

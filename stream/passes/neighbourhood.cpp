@@ -118,7 +118,8 @@ double Neighbourhood::grid_radius(const Part& part) const {
   const auto middle = reaches.begin() + static_cast<std::ptrdiff_t>(reaches.size() / 2);
   std::ranges::nth_element(reaches, middle);
   // Groups are surrounded about twice as far as their points look.
-  return std::max(*middle / 2, kSmallestReach);
+  const double half = std::min(*middle / 2, usual_reach() > 0 ? usual_reach() : *middle);
+  return std::max(half, kSmallestReach);
 }
 
 bool Neighbourhood::find_distances(Part& part) const {
