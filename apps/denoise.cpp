@@ -5,13 +5,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/estimate_text.h"
 #include "apps/ingest_text.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/report_file.h"
+#include "apps/standard_streams.h"
 #include "core/parallel.h"
 #include "io/inputs.h"
 
@@ -90,6 +93,8 @@ class Denoise : public Command {
     grid_.declare(arguments);
     limits_.declare(arguments);
     declare_work(arguments, job_);
+    arguments.flag("--dry-run", "Only tell tiles, halo, memory, disk and time that it would take",
+                   dry_run_);
     reports_.declare_progress(arguments);
     reports_.declare_report(arguments);
     declare_tile_points(arguments, job_);
@@ -105,12 +110,13 @@ class Denoise : public Command {
     PSS_ASSIGN(const ReportFile file, ReportFile::claim(reports_.report, "denoise", job_, inputs_));
     ThreadLimit threads(limits_.threads);
     MemoryBudget budget(limit, thread_count());
+    if (dry_run_) return estimate(file, budget, progress);
     PSS_ASSIGN(const DenoiseReport report, denoise(job_, budget, progress));
     tell(report, progress);
     return file.write(to_json(report));
   }
 
-  bool resumable() const override { return true; }
+  bool resumable() const override { return !dry_run_; }
 
  private:
   void declare_rule(Arguments& arguments) {
@@ -147,12 +153,19 @@ class Denoise : public Command {
     job_.offset = grid_.offset;
   }
 
+  Result<void> estimate(const ReportFile& file, MemoryBudget& budget, Progress& progress) {
+    PSS_ASSIGN(const JobEstimate estimate, estimate_denoise(job_, budget, progress));
+    if (!file.to_stdout()) PSS_TRY(print_data(estimate_text(estimate)));
+    return file.write(estimate_json("denoise", estimate).dump(2));
+  }
+
   std::vector<std::string> inputs_;
   DenoiseJob job_;
   std::string rule_;  // empty: not given
   GridOptions grid_;
   LimitOptions limits_;
   ReportOptions reports_;
+  bool dry_run_ = false;
 };
 
 }  // namespace

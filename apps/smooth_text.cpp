@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "apps/estimate_text.h"
 #include "apps/ingest_text.h"
 #include "apps/progress_view.h"
 #include "core/status.h"
@@ -87,21 +88,9 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
 }
 
 std::string estimate_text(const SmoothEstimate& estimate) {
-  std::string text;
-  auto line = [&text](const char* what, const std::string& value) {
-    text += fmt::format("{:<16} {}\n", what, value);
-  };
-  line("points", grouped(estimate.points));
-  line("tiles", grouped(estimate.tiles));
-  line("parts", grouped(estimate.parts));
-  line("halo", fmt::format("at most {:.0f}% of the points", estimate.halo_share * 100));
-  line("peak memory", short_size(estimate.peak_memory));
-  line("disk", short_size(estimate.disk_bytes));
-  line("time", short_time(estimate.seconds));
-  line("method", method_text(estimate.choices));
-  if (estimate.from_store) line("widths", widths_text(estimate.choices.widths));
-  line("known from",
-       estimate.from_store ? "the store (whole blocks counted)" : "the headers (estimated)");
+  std::string text = estimate_text(static_cast<const JobEstimate&>(estimate));
+  text += estimate_line("method", method_text(estimate.choices));
+  if (estimate.from_store) text += estimate_line("widths", widths_text(estimate.choices.widths));
   return text;
 }
 

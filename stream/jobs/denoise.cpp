@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/support.h"
+#include "stream/jobs/calibration.h"
 #include "stream/jobs/run_job.h"
 #include "stream/widths/spacing.h"
 #include "stream/widths/width_trials.h"
@@ -29,6 +30,10 @@ constexpr double kGate = 0.25;
 constexpr double kStatisticalCap = 10;
 constexpr double kCountingRadius = 3;
 constexpr double kFitWidth = 2;
+// What --dry-run reckons with, of one thread: a point whose neighbours are looked for, and each.
+constexpr double kSearchSeconds = 1e-6;
+constexpr double kNeighbourSeconds = 0.15e-6;
+constexpr double kUsualNeighbours = 113;  ///< at h = 2 spacings
 
 /// The attribute of a measured value.
 const char* attribute_of(OutlierRule rule) {
@@ -83,6 +88,8 @@ class DenoiseKind : public JobKind {
   void remember(ordered_json& summary) const override;
   void recall(const ordered_json& summary) override;
   void look_at(const Store& result, JobReport& report) override;
+  std::vector<StoreShape> expect(const StoreHeader& source) override;
+  double seconds_per_point() const override;
 
   const DenoiseChoices& choices() const { return choices_; }
   const SelectionCounts& counts() const { return counts_; }
@@ -298,6 +305,23 @@ void DenoiseKind::look_at(const Store& result, JobReport& report) {
         counts_.outliers(), looked));
 }
 
+std::vector<StoreShape> DenoiseKind::expect(const StoreHeader& source) {
+  const Result<Schema> schema = result_schema(source.schema);
+  return {{source.lattice, measurement_schema().row_size(), true},
+          {source.lattice, (schema ? *schema : source.schema).row_size()}};
+}
+
+double DenoiseKind::seconds_per_point() const {
+  switch (options_.rule) {
+    case OutlierRule::kStatistical:
+      return kSearchSeconds + neighbours() * kNeighbourSeconds;
+    case OutlierRule::kRadius:
+      return kSearchSeconds;
+    default:
+      return pss::seconds_per_point(method(), kUsualNeighbours);
+  }
+}
+
 }  // namespace
 
 const char* name_of(OutlierRule rule) {
@@ -309,6 +333,12 @@ Result<DenoiseReport> denoise(const DenoiseJob& job, MemoryBudget& budget, Monit
   DenoiseKind kind(job);
   PSS_ASSIGN(JobReport done, run_job(job, kind, budget, monitor));
   return DenoiseReport{std::move(done), job.options, kind.choices(), kind.counts()};
+}
+
+Result<JobEstimate> estimate_denoise(const DenoiseJob& job, MemoryBudget& budget,
+                                     Monitor& monitor) {
+  DenoiseKind kind(job);
+  return estimate_job(job, kind, budget, monitor);
 }
 
 std::string to_json(const DenoiseReport& report) {

@@ -9,6 +9,7 @@
 #include "core/method.h"
 #include "core/monitor.h"
 #include "core/result.h"
+#include "stream/jobs/job_estimate.h"
 #include "stream/jobs/job_report.h"
 #include "stream/jobs/job_request.h"
 #include "stream/limit/memory.h"
@@ -70,5 +71,8 @@ std::string to_json(const DenoiseReport& report);
 ///
 /// Errors: those of run_job().
 Result<DenoiseReport> denoise(const DenoiseJob& job, MemoryBudget& budget, Monitor& monitor);
+
+/// What a job would take.
+Result<JobEstimate> estimate_denoise(const DenoiseJob& job, MemoryBudget& budget, Monitor& monitor);
 
 }  // namespace pss

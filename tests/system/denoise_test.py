@@ -150,6 +150,17 @@ class Field(DenoiseTest):
             self.assertEqual(harness.sha256(self.path("s.las")), expected)
 
 
+    def test_a_dry_run_makes_nothing_and_tells_what_it_would_take(self):
+        store = self.path("scan.pss")
+        self.ok("tile", self.scan, "-o", store)
+        for scan, known in ((self.scan, "the headers"), (store, "the store")):
+            before = sorted(self.folder.rglob("*"))
+            said = self.ok("denoise", scan, "-o", self.path("o.las"), "--dry-run").out
+            self.assertEqual(sorted(self.folder.rglob("*")), before)
+            self.assertIn(known, said)
+            self.assertRegex(said, f"points +{len(self.surface + self.far + self.twins):,}")
+
+
 class Odd(SystemTest):
     def test_few_and_equal_points_give_a_valid_output(self):
         for name, points in (("none", []), ("one", [record(1, 2, 3)]),
