@@ -10,7 +10,10 @@
 
 #include "core/support.h"
 #include "stream/jobs/calibration.h"
+#include "stream/jobs/job_kind.h"
 #include "stream/jobs/run_job.h"
+#include "stream/operators/measure.h"
+#include "stream/operators/select.h"
 #include "stream/widths/spacing.h"
 #include "stream/widths/width_trials.h"
 

@@ -13,8 +13,7 @@
 #include "stream/jobs/job_report.h"
 #include "stream/jobs/job_request.h"
 #include "stream/limit/memory.h"
-#include "stream/operators/measure.h"
-#include "stream/operators/select.h"
+#include "stream/operators/selection_counts.h"
 
 namespace pss {
 

@@ -10,6 +10,7 @@
 #include "stream/jobs/job_memory.h"
 #include "stream/jobs/job_space.h"
 #include "stream/jobs/run_job.h"
+#include "stream/passes/scheduler.h"
 #include "stream/sort/chunk.h"
 #include "stream/sort/disk_need.h"
 

@@ -3,14 +3,16 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <string_view>
 
 #include "core/monitor.h"
 #include "core/result.h"
-#include "stream/jobs/job_kind.h"
 #include "stream/jobs/job_request.h"
 #include "stream/limit/memory.h"
 
 namespace pss {
+
+class JobKind;
 
 /// From a store, the first pass exactly to a block, and all others as it lets expect; from files
 /// estimated by their headers.

@@ -10,7 +10,7 @@
 
 #include "stream/limit/stopwatch.h"
 #include "stream/limit/transfer.h"
-#include "stream/passes/scheduler.h"
+#include "stream/passes/schedule_summary.h"
 #include "stream/sort/ingest.h"
 
 namespace pss {

@@ -14,6 +14,7 @@
 #include "stream/jobs/job.h"
 #include "stream/jobs/job_memory.h"
 #include "stream/jobs/job_space.h"
+#include "stream/passes/scheduler.h"
 
 namespace pss {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "core/result.h"
 #include "stream/operators/measure.h"
+#include "stream/operators/selection_counts.h"
 #include "stream/passes/operator.h"
 
 namespace pss {
@@ -23,20 +24,6 @@ struct Selection {
   std::string output;     ///< the attribute that gets the measured value; empty: none
   double quantum = 1;     ///< of that value; -1 where nothing was measured
   std::string record;     ///< JSON for the result's header
-};
-
-/// What became of points. Excluded ones (classes 7 and 18, withheld) stay as they are.
-struct SelectionCounts {
-  std::uint64_t kept = 0;
-  std::uint64_t low = 0;   ///< outliers that do not lie above their neighbours
-  std::uint64_t high = 0;  ///< outliers that do
-  std::uint64_t excluded = 0;
-
-  std::uint64_t outliers() const { return low + high; }
-  void add(const SelectionCounts& other);
-  std::vector<std::byte> to_bytes() const;
-  /// Bytes of another length give zeros.
-  static SelectionCounts from_bytes(std::span<const std::byte> bytes);
 };
 
 /// The source's schema without measurements, with what a selection adds: Classification where it
