@@ -150,6 +150,7 @@ Json describe_store(const Store& store) {
   const StoreHeader& header = store.header();
   Json facts{{"path", store.path()},
              {"kind", "store"},
+             {"producer", store.producer()},
              {"complete", store.complete()},
              {"points", store.points()},
              {"tiles", store.tiles().size()},

@@ -14,4 +14,10 @@ const char* format_name(Format format) {
   return "unknown";
 }
 
+std::optional<Format> format_named(std::string_view name) {
+  for (const Format format : {Format::kLas, Format::kPly, Format::kText})
+    if (name == format_name(format)) return format;
+  return std::nullopt;
+}
+
 }  // namespace pss

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/lattice.h"
@@ -14,6 +15,8 @@ namespace pss {
 enum class Format : std::uint8_t { kLas, kPly, kText };
 
 const char* format_name(Format format);
+/// The format that format_name() gives this name; none where no format has it.
+std::optional<Format> format_named(std::string_view name);
 
 /// What of a file's header travels to a file of the same format that is made from it.
 ///

@@ -250,8 +250,10 @@ Result<void> SmoothRun::write(Job& started) {
   report_.points_out = result->points();
   report_.tiles = result->tiles().size();
   report_.result_bytes = result->bytes_on_disk();
-  for (const TileInfo& tile : result->tiles())
-    report_.statistics.add(ProjectStatistics::from_bytes(tile.note));
+  for (const TileInfo& tile : result->tiles()) {
+    PSS_ASSIGN(const auto statistics, ProjectStatistics::from_note(tile.note, result->path()));
+    report_.statistics.add(statistics);
+  }
   note_if_few_moved();
   if (is_store_name(job_.output)) {
     result.reset();

@@ -53,6 +53,7 @@ class ProjectOperator : public Operator {
   Preparation prepare(Part& part) const override;
   std::uint64_t bytes(const PartPlan& plan) const override;
   std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
+  std::uint32_t note_version() const override { return ProjectStatistics::kVersion; }
   void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
 
   /// How far the widest query may look.

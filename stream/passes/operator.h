@@ -49,6 +49,8 @@ class Operator {
   /// Leaves early, with anything, when the monitor is stopping.
   virtual std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const = 0;
 
+  /// The version of what merge_note() makes: see Note.
+  virtual std::uint32_t note_version() const = 0;
   /// Adds a block's note to a tile's (empty at first).
   virtual void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const = 0;
 };

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/lattice.h"
@@ -15,6 +16,7 @@
 #include "io/points/points.h"
 #include "io/points/schema.h"
 #include "stream/store/log.h"
+#include "stream/store/note.h"
 
 namespace pss {
 
@@ -62,24 +64,31 @@ struct TileInfo {
   std::uint64_t size = 0;    ///< blocks and block index together
   std::uint32_t index_size = 0;
   std::uint64_t index_hash = 0;
-  std::vector<std::byte> note;  ///< of whoever wrote the tile: an operator's statistics
+  Note note;  ///< of whoever wrote the tile: an operator's statistics
 };
 
 enum class RecordType : std::uint32_t { kHeader = 1, kTile = 2, kEnd = 3 };
 
 /// The version of the format that this program writes and reads.
-inline constexpr std::uint32_t kStoreVersion = 1;
+inline constexpr std::uint32_t kStoreVersion = 2;
 
-std::vector<std::byte> encode_header(const StoreHeader& header);
-/// Whether these bytes are those of encode_header(header). Allocates nothing.
-bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload);
+/// What this program calls itself in the stores that it makes: "pss" and its version.
+std::string producer();
+
+std::vector<std::byte> encode_header(const StoreHeader& header,
+                                     std::string_view made_by = producer());
+/// Whether these bytes are those of encode_header(header, made_by). Allocates nothing.
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload,
+                std::string_view made_by = producer());
 /// Errors: kBadInput where a header's record is of another version of the format.
 Result<void> check_version(const std::string& path, std::span<const std::byte> payload);
+/// Who made a store, by its header's record. Requires: check_version().
+std::string producer_in(std::span<const std::byte> payload);
 /// The header of a record at `offset` of the manifest `path`. Errors: kBadInput.
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload);
 std::vector<std::byte> encode_tile(const TileInfo& tile);  ///< without first_row, which follows
-std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points,
+std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points, const Note& note,
                                   const std::string& summary);
 
 /// Bytes of a block's entry in a tile's index.
@@ -88,8 +97,10 @@ std::size_t index_entry_size(const Schema& schema);
 /// Everything a manifest holds, built record by record.
 struct Manifest {
   StoreHeader header;
+  std::string producer;  ///< of whoever made the store
   std::vector<TileInfo> tiles;
   bool complete = false;
+  Note note;  ///< of the whole store, once it is complete
   std::string summary;
   bool has_header = false;
 

@@ -108,15 +108,15 @@ Schema get_schema(ByteReader& r) {
 
 template <class Writer>
 void put(Writer& w, const Carry& carry) {
-  w.put(static_cast<std::uint8_t>(carry.format));
+  w.text(format_name(carry.format));
   w.bytes(carry.head);
   w.bytes(carry.tail);
 }
 
 Format get_format(ByteReader& r) {
-  const auto format = r.get<std::uint8_t>();
-  if (format > static_cast<std::uint8_t>(Format::kText)) return r.fail(), Format::kLas;
-  return static_cast<Format>(format);
+  const std::optional<Format> format = format_named(r.text());
+  if (!format) r.fail();
+  return format.value_or(Format::kLas);
 }
 
 std::vector<std::byte> get_bytes(ByteReader& r) {
@@ -149,7 +149,7 @@ InputRecord get_input(ByteReader& r) {
   return input;
 }
 
-/// After the format version.
+/// After the format version and the producer.
 StoreHeader get_header(ByteReader& r) {
   StoreHeader h;
   h.lattice = get_lattice(r);
@@ -169,9 +169,10 @@ StoreHeader get_header(ByteReader& r) {
 }
 
 template <class Take>
-void encode(const StoreHeader& header, Take take) {
+void encode(const StoreHeader& header, std::string_view made_by, Take take) {
   Encoder w(std::move(take));
   w.put(kStoreVersion);
+  w.text(made_by);
   put(w, header.lattice);
   put(w, header.schema);
   w.put(header.tile_points);
@@ -179,7 +180,7 @@ void encode(const StoreHeader& header, Take take) {
   w.template put<std::uint8_t>(header.grid.has_value());
   if (header.grid) put(w, *header.grid);
   put(w, header.carry);
-  w.put(static_cast<std::uint8_t>(header.source_format));
+  w.text(format_name(header.source_format));
   w.text(header.crs);
   w.put(static_cast<std::uint32_t>(header.inputs.size()));
   for (const InputRecord& input : header.inputs) put(w, input);
@@ -196,20 +197,23 @@ std::uint64_t memory_of(const StoreHeader& header) {
   return kHeaderCopies * bytes;
 }
 
-std::vector<std::byte> encode_header(const StoreHeader& header) {
+std::string producer() { return "pss " PSS_VERSION; }
+
+std::vector<std::byte> encode_header(const StoreHeader& header, std::string_view made_by) {
   using Bytes = std::span<const std::byte>;
   std::size_t size = 0;
-  encode(header, [&size](Bytes bytes) { size += bytes.size(); });
+  encode(header, made_by, [&size](Bytes bytes) { size += bytes.size(); });
   std::vector<std::byte> out;
   out.reserve(size);  // growing would hold it thrice
   ByteWriter writer(out);
-  encode(header, [&writer](Bytes bytes) { writer.raw(bytes); });
+  encode(header, made_by, [&writer](Bytes bytes) { writer.raw(bytes); });
   return out;
 }
 
-bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload) {
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload,
+                std::string_view made_by) {
   bool equal = true;
-  encode(header, [&](std::span<const std::byte> bytes) {
+  encode(header, made_by, [&](std::span<const std::byte> bytes) {
     equal = equal && bytes.size() <= payload.size() &&
             std::ranges::equal(bytes, payload.first(bytes.size()));
     payload = payload.subspan(equal ? bytes.size() : 0);
@@ -222,14 +226,20 @@ Result<void> check_version(const std::string& path, std::span<const std::byte> p
   if (version == kStoreVersion) return {};
   return Error{Fault::kBadInput,
                fmt::format("{}: store format version {} found, this program reads version {}; "
-                           "make the store anew from its inputs",
+                           "build the store again from its inputs by pss tile, or use --restart "
+                           "where it is a job's",
                            path, version, kStoreVersion)};
+}
+
+std::string producer_in(std::span<const std::byte> payload) {
+  return ByteReader(payload.subspan(sizeof(kStoreVersion))).text();
 }
 
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload) {
   PSS_TRY(check_version(path, payload));
   ByteReader reader(payload.subspan(sizeof(kStoreVersion)));
+  static_cast<void>(reader.text());  // the producer
   StoreHeader header = get_header(reader);
   if (!reader.finished())
     return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the header record makes "

@@ -128,7 +128,7 @@ std::uint64_t Store::bytes_on_disk() const {
 
 std::uint64_t Store::table_memory() const {
   std::uint64_t bytes = manifest_.tiles.capacity() * sizeof(TileInfo);
-  for (const TileInfo& tile : manifest_.tiles) bytes += tile.note.capacity();
+  for (const TileInfo& tile : manifest_.tiles) bytes += tile.note.bytes.capacity();
   return bytes;
 }
 

@@ -35,6 +35,10 @@ class Store {
   /// Whether the writer finished it, and the JSON it left then (points dropped by reason, ...).
   bool complete() const { return manifest_.complete; }
   const std::string& summary() const { return manifest_.summary; }
+  /// What the writer says of the whole store, once it is complete: see bytes_of().
+  const Note& note() const { return manifest_.note; }
+  /// The program that made it, with its version.
+  const std::string& producer() const { return manifest_.producer; }
   std::uint64_t bytes_on_disk() const;
   /// What the tile table holds in memory; memory_of() tells that of the header.
   std::uint64_t table_memory() const;

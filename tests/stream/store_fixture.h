@@ -91,7 +91,7 @@ inline Result<void> append_tile(StoreWriter& writer, const Schema& schema, const
     PSS_TRY(writer.append(encode_block(schema, std::span(cloud.positions).subspan(i, n),
                                        std::span(cloud.rows).subspan(i * row, n * row))));
   }
-  return writer.commit_tile(Cell{}, writer.next_source(), {std::byte{7}, std::byte{9}}, sync);
+  return writer.commit_tile(Cell{}, writer.next_source(), {3, {std::byte{7}, std::byte{9}}}, sync);
 }
 
 /// Everything a store holds, read by blocks.

@@ -59,7 +59,7 @@ TEST(Store, GivesBackHeaderTilesAndRows) {
   ASSERT_EQ(store.tiles().size(), 3u);
   EXPECT_EQ(store.tiles()[1].first_row, 1000u);
   EXPECT_EQ(store.tiles()[1].blocks, 2u);
-  EXPECT_EQ(store.tiles()[1].note, (std::vector<std::byte>{std::byte{7}, std::byte{9}}));
+  EXPECT_EQ(store.tiles()[1].note, (Note{3, {std::byte{7}, std::byte{9}}}));
   EXPECT_EQ(store.tiles()[2].box, box_of(std::span(cloud.positions).subspan(9000)));
   expect_equal(expect_value(test::read_all(store)), cloud);
 }
@@ -113,7 +113,7 @@ TEST(Store, HoldsEmptyTilesBetweenOthersAndTheNumbersOfTheirSources) {
     StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", header, 1000));
     expect_ok(writer.commit_tile(cell, 0));
     expect_ok(test::append_tile(writer, header.schema, cloud, 0, 300));  // of source tile 1
-    expect_ok(writer.commit_tile(cell, 4, {std::byte{3}}));
+    expect_ok(writer.commit_tile(cell, 4, {1, {std::byte{3}}}));
     expect_ok(writer.commit_tile(cell, 6));
     expect_ok(test::append_tile(writer, header.schema, cloud, 300, 600));  // of source tile 7
     expect_ok(writer.commit_tile(cell, 8));
@@ -132,7 +132,7 @@ TEST(Store, HoldsEmptyTilesBetweenOthersAndTheNumbersOfTheirSources) {
     EXPECT_EQ(store.tiles()[t].box.empty(), kCounts[t] == 0);
     EXPECT_EQ(expect_value(store.read_index(t)).empty(), kCounts[t] == 0);
   }
-  EXPECT_EQ(store.tiles()[2].note, std::vector<std::byte>{std::byte{3}});
+  EXPECT_EQ(store.tiles()[2].note, (Note{1, {std::byte{3}}}));
   EXPECT_EQ(store.tiles()[4].first_row, 300u);
   expect_equal(expect_value(test::read_all(store)), cloud);
 }
@@ -248,6 +248,75 @@ TEST(StoreWriter, CutsBytesOfATileThatWasNeverCommitted) {
 
   EXPECT_EQ(writer.tiles().size(), 3u);
   EXPECT_EQ(test::bytes_of(segment_path(path, 0)).size(), before);
+}
+
+TEST(StoreWriter, LeavesANoteOfTheWholeStoreAndItsOwnName) {
+  test::TemporaryDirectory folder;
+  const Note note{5, {std::byte{1}, std::byte{2}}};
+  expect_ok(expect_value(StoreWriter::create(folder / "s.pss", rich_header())).finish("{}", note));
+
+  const Store store = expect_value(Store::open(folder / "s.pss"));
+
+  EXPECT_EQ(store.note(), note);
+  EXPECT_EQ(store.producer(), producer());
+  EXPECT_TRUE(store.producer().starts_with("pss ")) << store.producer();
+}
+
+/// A store as `made_by` would have begun it, without any tile.
+void begin_store(const std::string& path, const StoreHeader& header, std::string_view made_by) {
+  expect_ok(make_directories(path));
+  expect_value(LogWriter::create(open_manifest_path(path),
+                                 static_cast<std::uint32_t>(RecordType::kHeader),
+                                 encode_header(header, made_by)));
+}
+
+TEST(StoreWriter, DoesNotGoOnWithAStoreThatAnotherVersionOfPssBegan) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  begin_store(path, rich_header(), "pss 0.0.9");
+
+  const auto writer = StoreWriter::resume(path, rich_header());
+
+  ASSERT_FALSE(writer.has_value());
+  EXPECT_EQ(writer.error().fault, Fault::kFailed);
+  EXPECT_NE(writer.error().message.find("pss 0.0.9"), std::string::npos) << writer.error().message;
+  EXPECT_NE(writer.error().message.find(producer()), std::string::npos) << writer.error().message;
+  EXPECT_EQ(expect_value(Store::open(path)).producer(), "pss 0.0.9") << "it can be read";
+}
+
+TEST(Store, OfAnotherVersionOfTheFormatIsRefusedWithWhatToDo) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  std::vector<std::byte> header = encode_header(rich_header());
+  header[0] = std::byte{1};
+  expect_ok(make_directories(path));
+  expect_value(LogWriter::create(open_manifest_path(path),
+                                 static_cast<std::uint32_t>(RecordType::kHeader), header));
+
+  for (const Result<void>& result :
+       {Store::open(path).has_value() ? Result<void>() : Store::open(path).error(),
+        StoreWriter::resume(path, rich_header()).has_value()
+            ? Result<void>()
+            : StoreWriter::resume(path, rich_header()).error()}) {
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().fault, Fault::kBadInput);
+    for (const char* part : {"version 1 found", "version 2", "pss tile", "--restart"})
+      EXPECT_NE(result.error().message.find(part), std::string::npos) << result.error().message;
+  }
+}
+
+TEST(Note, OfAnotherVersionIsRefusedWithBoth) {
+  const Note note{7, {std::byte{1}}};
+
+  const auto refused = bytes_of(note, 2, "s.pss");
+
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().fault, Fault::kBadInput);
+  for (const char* part : {"s.pss", "version 7 found", "version 2"})
+    EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+  EXPECT_EQ(expect_value(bytes_of(note, 7, "s.pss")).size(), 1u);
+  EXPECT_TRUE(expect_value(bytes_of({}, 7, "s.pss")).empty()) << "nothing was said";
+  EXPECT_FALSE(bytes_of({0, {std::byte{1}}}, 7, "s.pss").has_value());
 }
 
 TEST(StoreWriter, FinishesTheNameOfAStoreKilledBeforeTheRename) {
