@@ -45,4 +45,7 @@ Hash128 StreamHash::digest() const {
   return {hash.high64, hash.low64};
 }
 
+/// The state is the same for both lengths of the hash.
+std::uint64_t StreamHash::digest64() const { return XXH3_64bits_digest(xxh(state_.get())); }
+
 }  // namespace pss

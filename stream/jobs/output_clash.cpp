@@ -9,6 +9,7 @@
 #include "io/points/writer.h"
 #include "stream/jobs/smooth_job.h"
 #include "stream/passes/outputs.h"
+#include "stream/store/export.h"
 
 namespace pss {
 namespace {
@@ -34,6 +35,16 @@ Result<void> check_names(const SmoothJob& job, const Schema& source) {
                            owner, clash.attribute, clash.output, clash.word, clash.word)};
 }
 
+/// The head that the output would carry on, of the first input or the store.
+Result<std::optional<Carry>> head_for(const SmoothJob& job, Format format) {
+  if (is_store_input(job)) {
+    PSS_ASSIGN(const Store store, Store::open(job.inputs.front()));
+    return store.complete() ? carried_head(store, format) : std::optional<Carry>();
+  }
+  PSS_ASSIGN(const auto reader, open_reader_holding(HeadBytes::kKept, job.inputs.front()));
+  return std::optional(reader->header().carry);
+}
+
 /// Whether a file of the output's format can hold all attributes, as far as that is known before
 /// there are points.
 Result<void> check_file(const SmoothJob& job, const StoreHeader& source, const Schema& result) {
@@ -42,7 +53,7 @@ Result<void> check_file(const SmoothJob& job, const StoreHeader& source, const S
   PSS_ASSIGN(options.format, format_for(job.output));
   options.schema = result;
   options.grid = source.lattice;
-  options.carry = source.carry;
+  PSS_ASSIGN(options.carry, head_for(job, options.format));
   return check_writable(job.output, std::move(options));
 }
 

@@ -202,6 +202,7 @@ Result<StoreWriter> SmoothRun::run_stage(const char* stage, const Store& source,
   monitor_.begin(stage, source.points(), source.tiles().size());
   for (const TileInfo& tile : result.tiles()) monitor_.advance(tile.count, 1);
   PSS_ASSIGN(report_.schedule, run_operator(source, op, result, budget_, monitor_));
+  if (header.inputs.count > 0) PSS_TRY(copy_inputs(source.path(), path));
   return result;
 }
 

@@ -51,7 +51,7 @@ std::uint64_t least_smooth_memory(const SmoothJob& job, const StoreHeader& heade
 
 Result<Reservation> reserve_inputs(const SmoothJob& job, MemoryBudget& budget) {
   if (!is_store_input(job)) return reserve_inputs(job.inputs, least_of(job), budget);
-  PSS_ASSIGN(Reservation header, reserve_header(job.inputs.front(), budget));
+  PSS_ASSIGN(Reservation header, reserve_header_and_head(job.inputs.front(), budget));
   PSS_ASSIGN(const Store store, Store::open(job.inputs.front()));
   const std::uint64_t bytes = memory_of(store.header());
   if (!budget.grow(header, bytes))

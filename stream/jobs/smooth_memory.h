@@ -13,8 +13,8 @@ namespace pss {
 std::uint64_t least_smooth_memory(const SmoothJob& job, const StoreHeader& header,
                                   std::uint64_t points);
 
-/// reserve_inputs() for files, reserve_header() for a store, and in both cases the check that the
-/// job's stages have what they need.
+/// reserve_inputs() for files, reserve_header_and_head() for a store, and in both cases the check
+/// that the job's stages have what they need.
 Result<Reservation> reserve_inputs(const SmoothJob& job, MemoryBudget& budget);
 
 /// check_least() for the job.

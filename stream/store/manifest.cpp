@@ -112,6 +112,7 @@ Result<void> add_end(Manifest& m, const std::string& path, const LogRecord& reco
   ByteReader reader(record.payload);
   const auto tiles = reader.get<std::uint64_t>();
   const auto points = reader.get<std::uint64_t>();
+  m.input_bytes = reader.get<std::uint64_t>();
   m.note = get_note(reader);
   m.summary = reader.text();
   if (!reader.finished() || tiles != m.tiles.size() || points != m.points())
@@ -143,14 +144,14 @@ std::vector<std::byte> encode_tile(const TileInfo& tile) {
   return out;
 }
 
-std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points, const Note& note,
-                                  const std::string& summary) {
+std::vector<std::byte> encode_end(const Manifest& manifest) {
   std::vector<std::byte> out;
   ByteWriter w(out);
-  w.put(tiles);
-  w.put(points);
-  put(w, note);
-  w.text(summary);
+  w.put(static_cast<std::uint64_t>(manifest.tiles.size()));
+  w.put(manifest.points());
+  w.put(manifest.input_bytes);
+  put(w, manifest.note);
+  w.text(manifest.summary);
   return out;
 }
 

@@ -12,9 +12,8 @@
 #include "core/lattice.h"
 #include "core/morton.h"
 #include "core/result.h"
-#include "io/file/fingerprint.h"
-#include "io/points/points.h"
 #include "io/points/schema.h"
+#include "stream/store/input_table.h"
 #include "stream/store/log.h"
 #include "stream/store/note.h"
 
@@ -32,20 +31,20 @@ struct StoreHeader {
   bool ordered =
       true;  ///< rows in key order; false for results, whose rows keep their source's order
   std::optional<Lattice> grid;  ///< scale and offset that a LAS file written from this gets
-  Carry carry;                  ///< header of the first input, for a file of the same format
-  Format source_format = Format::kLas;
-  std::string crs;
-  std::vector<InputRecord> inputs;
-  std::string parameters;  ///< JSON: what made the rows, beyond the inputs
+  InputsDigest inputs;          ///< the store's InputTable has what is known of each
+  std::string parameters;       ///< JSON: what made the rows, beyond the inputs
 
   bool operator==(const StoreHeader&) const = default;
 };
-/// A job has so many headers at once, bytes of them counted as one: the store that is read, the
-/// operator's for the result, and the bytes that are written to the result's log, read from a log,
-/// or made by a writer whose points need another LAS head.
+/// A job has so many headers at once: the store that is read, the operator's for the result, and
+/// the bytes that are written to the result's log, or read from a log.
 inline constexpr std::uint64_t kHeaderCopies = 3;
+/// Of the head of an input there are at most so many at once: as a reader or the table of inputs
+/// gives it, its bytes on their way from or to that table, or made by a writer whose points need
+/// another LAS head; and its coordinate system counts beside it.
+inline constexpr std::uint64_t kHeadCopies = 3;
 
-/// What a header's names and carried bytes hold, with the copies that a job has of them.
+/// What a header's text holds, with the copies that a job has of it.
 std::uint64_t memory_of(const StoreHeader& header);
 
 /// What a tile's manifest record says.
@@ -88,8 +87,6 @@ std::string producer_in(std::span<const std::byte> payload);
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload);
 std::vector<std::byte> encode_tile(const TileInfo& tile);  ///< without first_row, which follows
-std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points, const Note& note,
-                                  const std::string& summary);
 
 /// Bytes of a block's entry in a tile's index.
 std::size_t index_entry_size(const Schema& schema);
@@ -100,7 +97,8 @@ struct Manifest {
   std::string producer;  ///< of whoever made the store
   std::vector<TileInfo> tiles;
   bool complete = false;
-  Note note;  ///< of the whole store, once it is complete
+  std::uint64_t input_bytes = 0;  ///< of the file of the table of inputs
+  Note note;                      ///< of the whole store, once it is complete
   std::string summary;
   bool has_header = false;
 
@@ -115,6 +113,9 @@ struct Manifest {
   /// Errors: kBadInput with `path` and the record's offset.
   Result<void> add(const std::string& path, const LogRecord& record);
 };
+
+/// The record that ends a manifest.
+std::vector<std::byte> encode_end(const Manifest& manifest);
 
 // The names inside a store's directory. A finished manifest gets its final name, and only that may
 // not have a torn tail.

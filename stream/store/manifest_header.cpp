@@ -2,17 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "stream/store/bytes.h"
+#include "stream/store/lattice_bytes.h"
 #include "stream/store/manifest.h"
 
 namespace pss {
 namespace {
-
-/// What a string holds beside its bytes, rounding by the allocator among it.
-constexpr std::uint64_t kStringBytes = 24;
 
 /// Values as ByteWriter writes them; `Take` gets the bytes, to keep, count or compare them.
 template <class Take>
@@ -33,23 +30,6 @@ class Encoder {
  private:
   Take take_;
 };
-
-template <class Writer>
-void put(Writer& w, const Lattice& lattice) {
-  for (const double s : lattice.scale) w.put(s);
-  for (const double o : lattice.origin) w.put(o);
-}
-
-Lattice get_lattice(ByteReader& r) {
-  Lattice lattice;
-  for (double& s : lattice.scale) s = r.get<double>();
-  for (double& o : lattice.origin) o = r.get<double>();
-  for (const double s : lattice.scale)
-    if (!(s > 0) || !std::isfinite(s)) r.fail();
-  for (const double o : lattice.origin)
-    if (!std::isfinite(o)) r.fail();
-  return lattice;
-}
 
 template <class Writer>
 void put(Writer& w, const Field& field) {
@@ -106,49 +86,6 @@ Schema get_schema(ByteReader& r) {
   return r.ok() ? Schema(std::move(fields)) : Schema();
 }
 
-template <class Writer>
-void put(Writer& w, const Carry& carry) {
-  w.text(format_name(carry.format));
-  w.bytes(carry.head);
-  w.bytes(carry.tail);
-}
-
-Format get_format(ByteReader& r) {
-  const std::optional<Format> format = format_named(r.text());
-  if (!format) r.fail();
-  return format.value_or(Format::kLas);
-}
-
-std::vector<std::byte> get_bytes(ByteReader& r) {
-  const auto bytes = r.bytes();
-  return {bytes.begin(), bytes.end()};
-}
-
-Carry get_carry(ByteReader& r) {
-  Carry carry;
-  carry.format = get_format(r);
-  carry.head = get_bytes(r);
-  carry.tail = get_bytes(r);
-  return carry;
-}
-
-template <class Writer>
-void put(Writer& w, const InputRecord& input) {
-  w.text(input.path);
-  w.put(input.size);
-  w.put(input.modified_ns);
-  w.put(input.content_hash);
-}
-
-InputRecord get_input(ByteReader& r) {
-  InputRecord input;
-  input.path = r.text();
-  input.size = r.get<std::uint64_t>();
-  input.modified_ns = r.get<std::int64_t>();
-  input.content_hash = r.get<std::uint64_t>();
-  return input;
-}
-
 /// After the format version and the producer.
 StoreHeader get_header(ByteReader& r) {
   StoreHeader h;
@@ -158,12 +95,9 @@ StoreHeader get_header(ByteReader& r) {
   if (h.tile_points == 0) r.fail();
   h.ordered = r.get<std::uint8_t>() != 0;
   if (r.get<std::uint8_t>() != 0) h.grid = get_lattice(r);
-  h.carry = get_carry(r);
-  h.source_format = get_format(r);
-  h.crs = r.text();
-  const std::size_t inputs = r.count(28);
-  h.inputs.reserve(inputs);
-  for (std::size_t i = 0; i < inputs && r.ok(); ++i) h.inputs.push_back(get_input(r));
+  h.inputs.count = r.get<std::uint64_t>();
+  h.inputs.hash.high = r.get<std::uint64_t>();
+  h.inputs.hash.low = r.get<std::uint64_t>();
   h.parameters = r.text();
   return h;
 }
@@ -173,28 +107,22 @@ void encode(const StoreHeader& header, std::string_view made_by, Take take) {
   Encoder w(std::move(take));
   w.put(kStoreVersion);
   w.text(made_by);
-  put(w, header.lattice);
+  put_lattice(w, header.lattice);
   put(w, header.schema);
   w.put(header.tile_points);
   w.template put<std::uint8_t>(header.ordered);
   w.template put<std::uint8_t>(header.grid.has_value());
-  if (header.grid) put(w, *header.grid);
-  put(w, header.carry);
-  w.text(format_name(header.source_format));
-  w.text(header.crs);
-  w.put(static_cast<std::uint32_t>(header.inputs.size()));
-  for (const InputRecord& input : header.inputs) put(w, input);
+  if (header.grid) put_lattice(w, *header.grid);
+  w.put(header.inputs.count);
+  w.put(header.inputs.hash.high);
+  w.put(header.inputs.hash.low);
   w.text(header.parameters);
 }
 
 }  // namespace
 
 std::uint64_t memory_of(const StoreHeader& header) {
-  std::uint64_t bytes = header.carry.head.size() + header.carry.tail.size() + header.crs.size() +
-                        header.parameters.size();
-  for (const InputRecord& input : header.inputs)
-    bytes += sizeof(InputRecord) + input.path.size() + kStringBytes;
-  return kHeaderCopies * bytes;
+  return kHeaderCopies * header.parameters.size();
 }
 
 std::string producer() { return "pss " PSS_VERSION; }

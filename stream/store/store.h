@@ -12,6 +12,7 @@
 #include "core/morton.h"
 #include "core/result.h"
 #include "io/file/file.h"
+#include "io/file/fingerprint.h"
 #include "io/points/points.h"
 #include "io/points/schema.h"
 #include "stream/store/block.h"
@@ -43,6 +44,9 @@ class Store {
   /// What the tile table holds in memory; memory_of() tells that of the header.
   std::uint64_t table_memory() const;
 
+  /// What is kept of each input. Requires: complete(), and a header with inputs.
+  Result<InputTable> inputs() const;
+
   /// The blocks of a tile, in row order; none where it is empty.
   Result<std::vector<BlockInfo>> read_index(std::size_t tile) const;
   /// Reads a tile's bytes against their checksums, decoding none. Errors: kBadInput.
@@ -61,6 +65,7 @@ class Store {
   Store() = default;
   Result<void> open_files();
   Result<void> open_segments();
+  Result<void> check_inputs() const;
   Result<void> read_segment(const TileInfo& tile, std::uint64_t offset,
                             std::span<std::byte> out) const;
   Error changed_or(Error error) const;

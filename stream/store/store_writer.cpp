@@ -33,6 +33,7 @@ StoreHeader needed_of(const StoreHeader& header) {
   needed.schema = header.schema;
   needed.tile_points = header.tile_points;
   needed.ordered = header.ordered;
+  needed.inputs = header.inputs;
   return needed;
 }
 
@@ -232,12 +233,15 @@ Result<void> StoreWriter::write_records() {
 Result<void> StoreWriter::end_store(const std::string& summary, const Note& note) {
   assert(!complete() && blocks_.empty());
   PSS_TRY(write_records());
-  PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kEnd),
-                       encode_end(manifest_.tiles.size(), manifest_.points(), note, summary)));
-  PSS_TRY(log_->sync());
-  manifest_.complete = true;
+  if (const std::uint64_t inputs = manifest_.header.inputs.count; inputs > 0) {
+    PSS_ASSIGN(const InputTable table, InputTable::open(path_, inputs));
+    manifest_.input_bytes = table.bytes();
+  }
   manifest_.note = note;
   manifest_.summary = summary;
+  PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kEnd), encode_end(manifest_)));
+  PSS_TRY(log_->sync());
+  manifest_.complete = true;
   return rename_manifest();
 }
 

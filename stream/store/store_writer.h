@@ -72,8 +72,9 @@ class StoreWriter {
   Result<void> sync();
   /// Bytes of tiles that are committed and not durable yet.
   std::uint64_t unsynced_bytes() const { return unsynced_bytes_; }
-  /// Ends the store. `summary` is JSON that readers find in Store::summary(), `note` what they find
-  /// in Store::note().
+  /// Ends the store. Requires: where the header has inputs, their table is written: by an
+  /// InputTableWriter, or copy_inputs(). `summary` is JSON that readers find in Store::summary(),
+  /// `note` what they find in Store::note().
   Result<void> finish(const std::string& summary, const Note& note = {});
 
  private:

@@ -13,20 +13,29 @@ namespace {
 using test::expect_ok;
 using test::expect_value;
 
+const std::vector<InputRecord> kInputs = {{"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}};
+
+Carry rich_carry() {
+  return {Format::kPly, std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}};
+}
+
 StoreHeader rich_header() {
   StoreHeader header;
   header.lattice = {{0.01, 0.01, 0.001}, {500000, 4100000, -3.25}};
   header.schema = test::rich_schema();
   header.grid = header.lattice;
-  header.carry = {Format::kPly, std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}};
-  header.source_format = Format::kPly;
-  header.crs = "EPSG:32633";
-  header.inputs = {{"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}};
+  header.inputs = digest_of(kInputs);
   header.parameters = R"({"radius":1.5})";
   return header;
 }
 
 constexpr std::size_t kRows = 10000;
+
+/// Writes the table of inputs, and ends the store.
+Result<void> finish(StoreWriter& writer, const std::string& summary, const Note& note = {}) {
+  PSS_TRY(test::write_inputs(writer.path(), kInputs, rich_carry()));
+  return writer.finish(summary, note);
+}
 
 /// A store of three tiles, the second of two blocks; finished or not.
 test::Cloud make_store(const std::string& path, bool finished,
@@ -37,7 +46,7 @@ test::Cloud make_store(const std::string& path, bool finished,
   expect_ok(test::append_tile(writer, header.schema, cloud, 0, 1000));
   expect_ok(test::append_tile(writer, header.schema, cloud, 1000, 9000));
   expect_ok(test::append_tile(writer, header.schema, cloud, 9000, kRows));
-  if (finished) expect_ok(writer.finish(R"({"kept":10000})"));
+  if (finished) expect_ok(finish(writer, R"({"kept":10000})"));
   return cloud;
 }
 
@@ -96,7 +105,7 @@ TEST(Store, SpreadsTilesOverSegments) {
 TEST(Store, HoldsNoPointsAtAllWhenNoneCame) {
   test::TemporaryDirectory folder;
   StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", rich_header()));
-  expect_ok(writer.finish("{}"));
+  expect_ok(finish(writer, "{}"));
 
   const Store store = expect_value(Store::open(folder / "s.pss"));
 
@@ -118,7 +127,7 @@ TEST(Store, HoldsEmptyTilesBetweenOthersAndTheNumbersOfTheirSources) {
     expect_ok(test::append_tile(writer, header.schema, cloud, 300, 600));  // of source tile 7
     expect_ok(writer.commit_tile(cell, 8));
     EXPECT_EQ(writer.next_source(), 9u);
-    expect_ok(writer.finish("{}"));
+    expect_ok(finish(writer, "{}"));
   }
 
   const Store store = expect_value(Store::open(folder / "s.pss"));
@@ -142,7 +151,7 @@ TEST(Store, OfEmptyTilesAloneHasNoSegment) {
   const std::string path = folder / "s.pss";
   StoreWriter writer = expect_value(StoreWriter::create(path, rich_header()));
   for (std::uint64_t tile = 0; tile < 3; ++tile) expect_ok(writer.commit_tile(Cell{}, tile));
-  expect_ok(writer.finish("{}"));
+  expect_ok(finish(writer, "{}"));
 
   const Store store = expect_value(Store::open(path));
 
@@ -173,7 +182,7 @@ TEST(StoreWriter, GoesOnBehindEmptyTiles) {
   }
 
   StoreWriter writer = expect_value(StoreWriter::resume(path, header));
-  expect_ok(writer.finish("{}"));
+  expect_ok(finish(writer, "{}"));
 
   EXPECT_EQ(test::bytes_of(segment_path(path, 0)).size(), size);
   const Store store = expect_value(Store::open(path));
@@ -224,7 +233,7 @@ TEST(StoreWriter, GoesOnAfterAManifestCutAtAnyByte) {
     if (size % 61 != 0) continue;  // going on from every state takes long, from some it is enough
     for (std::size_t t = writer.tiles().size(); t < 3; ++t)
       expect_ok(test::append_tile(writer, rich_header().schema, cloud, starts[t], starts[t + 1]));
-    expect_ok(writer.finish(R"({"kept":10000})"));
+    expect_ok(finish(writer, R"({"kept":10000})"));
     for (std::uint32_t n = 0; n < 3; ++n)
       ASSERT_EQ(test::bytes_of(segment_path(path, n)),
                 test::bytes_of(segment_path(folder / "whole.pss", n)))
@@ -253,7 +262,8 @@ TEST(StoreWriter, CutsBytesOfATileThatWasNeverCommitted) {
 TEST(StoreWriter, LeavesANoteOfTheWholeStoreAndItsOwnName) {
   test::TemporaryDirectory folder;
   const Note note{5, {std::byte{1}, std::byte{2}}};
-  expect_ok(expect_value(StoreWriter::create(folder / "s.pss", rich_header())).finish("{}", note));
+  StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", rich_header()));
+  expect_ok(finish(writer, "{}", note));
 
   const Store store = expect_value(Store::open(folder / "s.pss"));
 
@@ -357,6 +367,8 @@ TEST(StoreWriter, DoesNotRemoveADirectoryThatIsNoStore) {
 /// Opens the store and reads everything in it.
 Result<test::Cloud> open_and_read(const std::string& path) {
   PSS_ASSIGN(const Store store, Store::open(path));
+  PSS_ASSIGN(const InputTable inputs, store.inputs());
+  PSS_TRY(inputs.check());
   return test::read_all(store);
 }
 
@@ -364,9 +376,9 @@ TEST(Store, FindsAFlippedBitInEveryFileAndNamesIt) {
   test::TemporaryDirectory folder;
   const std::string path = folder / "s.pss";
   make_store(path, true);
-  for (const std::string& name : {manifest_path(path), segment_path(path, 0)}) {
+  for (const std::string& name : {manifest_path(path), inputs_path(path), segment_path(path, 0)}) {
     const std::size_t bits = 8 * test::bytes_of(name).size();
-    const std::size_t step = name == manifest_path(path) ? 7 : 8 * 997 + 3;
+    const std::size_t step = name != segment_path(path, 0) ? 7 : 8 * 997 + 3;
     for (std::size_t bit = 0; bit < bits; bit += step) {
       test::flip_bit(name, bit);
 
