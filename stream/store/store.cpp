@@ -132,9 +132,10 @@ Error Store::changed_or(Error error) const {
 
 Result<void> Store::open_segments() {
   const auto ends = segment_ends(manifest_);
+  segments_ = std::make_unique<SegmentFiles>(path_, most_open_segments());
   for (std::uint32_t n = 0; n < ends.size(); ++n) {
     PSS_ASSIGN(File file, open_whole(segment_path(path_, n), ends[n], complete()));
-    segments_.push_back(std::move(file));
+    segments_->keep(n, std::move(file));
   }
   return {};
 }
@@ -160,7 +161,8 @@ Error Store::damaged(const TileInfo& tile, std::uint64_t offset, const std::stri
 
 Result<void> Store::read_segment(const TileInfo& tile, std::uint64_t offset,
                                  std::span<std::byte> out) const {
-  if (auto read = segments_[tile.segment].read(offset, out); !read) return changed_or(read.error());
+  if (auto read = segments_->read(tile.segment, offset, out); !read)
+    return changed_or(read.error());
   return {};
 }
 

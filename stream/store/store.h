@@ -11,12 +11,12 @@
 #include "core/lattice.h"
 #include "core/morton.h"
 #include "core/result.h"
-#include "io/file/file.h"
 #include "io/file/fingerprint.h"
 #include "io/points/points.h"
 #include "io/points/schema.h"
 #include "stream/store/block.h"
 #include "stream/store/manifest.h"
+#include "stream/store/segment_files.h"
 
 namespace pss {
 
@@ -77,7 +77,7 @@ class Store {
   Manifest manifest_;
   std::optional<InputRecord> record_;  ///< of a complete store's manifest, before it was read
   std::uint64_t manifest_size_ = 0;
-  std::vector<File> segments_;
+  std::unique_ptr<SegmentFiles> segments_;
 };
 
 /// The bytes of a tile's index, as StoreWriter appends them after its blocks.
