@@ -33,7 +33,8 @@ Hash128 hash128_from(std::string_view digits) {
 void StreamHash::Free::operator()(State* state) const { XXH3_freeState(xxh(state)); }
 
 StreamHash::StreamHash() : state_(reinterpret_cast<State*>(XXH3_createState())) {
-  if (state_) XXH3_128bits_reset(xxh(state_.get()));
+  if (!state_) throw std::bad_alloc();  // it comes from malloc, which gives none instead
+  XXH3_128bits_reset(xxh(state_.get()));
 }
 
 void StreamHash::update(std::span<const std::byte> bytes) {
