@@ -23,6 +23,7 @@ class Command {
 };
 
 std::unique_ptr<Command> make_convert();
+std::unique_ptr<Command> make_denoise();
 std::unique_ptr<Command> make_export();
 std::unique_ptr<Command> make_info();
 std::unique_ptr<Command> make_smooth();

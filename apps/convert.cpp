@@ -7,6 +7,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/progress.h"
+#include "io/formats/table.h"
 #include "io/inputs.h"
 
 namespace pss {
@@ -18,14 +19,17 @@ class Convert : public Command {
   void declare(Arguments& arguments) override {
     arguments.positionals("INPUT", "Files, directories, globs, @list.txt", inputs_);
     arguments.option("-o,--output", "OUTPUT",
-                     "One file; its extension says the format: las, ply, xyz, txt, csv, asc, pts "
-                     "(required)",
+                     fmt::format("One file; its extension says the format: {} (required)",
+                                 writable_extensions(", ")),
                      output_, parse_text);
     arguments.required();
-    arguments.option("--scale", "S|X,Y,Z", "LAS: step of the written coordinates [the input's]",
-                     options_.scale, parse_scale);
-    arguments.option("--offset", "X,Y,Z", "LAS: origin of the written coordinates [the input's]",
-                     options_.offset, parse_triple);
+    const std::string gridded = gridded_formats(", ");
+    arguments.option("--scale", "S|X,Y,Z",
+                     gridded + ": step of the written coordinates [the input's]", options_.scale,
+                     parse_scale);
+    arguments.option("--offset", "X,Y,Z",
+                     gridded + ": origin of the written coordinates [the input's]", options_.offset,
+                     parse_triple);
     declare_drop_outside(arguments, options_.drop_outside);
     declare_overwrite(arguments, options_.overwrite);
     reports_.declare_progress(arguments);

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "apps/progress_view.h"
-#include "io/formats/las/las_header.h"
-#include "io/formats/las/las_vlr.h"
+#include "io/formats/table.h"
+#include "io/points/position_survey.h"
 
 namespace pss {
 
@@ -41,40 +42,21 @@ void describe_grid(Json& facts, const Lattice& grid) {
   facts["offset"] = grid.origin;
 }
 
-Json describe_vlr(const Vlr& vlr) {
-  return {{"name", vlr.user_id}, {"type", std::to_string(vlr.record_id)}, {"bytes", vlr.length}};
+Json as_json(std::uint64_t number) { return number; }
+Json as_json(const std::string& text) { return text; }
+Json as_json(const std::vector<FilePart>& parts) {
+  Json rows = Json::array();
+  for (const FilePart& part : parts)
+    rows.push_back({{"name", part.name}, {"type", part.type}, {"bytes", part.bytes}});
+  return rows;
 }
 
-/// What a LAS header has beyond what all formats have.
-void describe_las(Json& facts, const Carry& carry) {
-  if (carry.head.size() < kLasSmallestHeader) return;
-  const LasHeader header = load_las_header(carry.head);
-  facts["las_version"] = fmt::format("{}.{}", header.major, header.minor);
-  facts["point_format"] = header.point_format;
-  facts["record_bytes"] = header.record_length;
-  facts["vlrs"] = Json::array();
-  for (const Vlr& vlr : list_vlrs(carry.head, header.header_size, header.vlr_count))
-    facts["vlrs"].push_back(describe_vlr(vlr));
-  for (const Vlr& vlr : list_evlrs(carry.tail)) facts["vlrs"].push_back(describe_vlr(vlr));
-}
-
-/// What all points of a file say.
-struct Scan {
-  std::uint64_t points = 0;
-  WorldBox bounds;
-};
-
-Result<Scan> scan_points(Reader& reader) {
-  constexpr std::size_t kBatch = 65536;
-  Scan scan;
-  PointBatch batch;
-  for (;;) {
-    PSS_TRY(reader.read(kBatch, batch));
-    if (batch.size() == 0) return scan;
-    scan.points += batch.size();
-    for (const Index3& index : batch.index) scan.bounds.add(to_world(*reader.header().grid, index));
-    for (const World3& world : batch.world) scan.bounds.add(world);
-  }
+/// What the header says beyond what those of all formats say.
+void describe_format(Json& facts, const CloudHeader& header) {
+  const Format* format = find_format(header.format);
+  if (!format || !format->facts) return;
+  for (const Fact& fact : format->facts(header.carry))
+    facts[fact.name] = std::visit([](const auto& value) { return as_json(value); }, fact.value);
 }
 
 /// A JSON text as a value; what is none, as a string.
@@ -153,17 +135,19 @@ std::string fact_line(const std::string& key, const Json& value) {
 
 Result<Json> describe_file(Reader& reader, bool scan) {
   const CloudHeader& header = reader.header();
-  Json facts{{"path", header.path}, {"kind", "file"}, {"format", format_name(header.format)}};
+  Json facts{{"path", header.path}, {"kind", "file"}, {"format", header.format}};
   facts["points"] = header.count ? Json(*header.count) : Json();
   facts["bounds"] = header.bounds ? describe_bounds(*header.bounds) : Json();
   if (scan) {
-    PSS_ASSIGN(const Scan all, scan_points(reader));
-    facts["points_read"] = all.points;
-    facts["bounds_read"] = all.points ? describe_bounds(all.bounds) : Json();
+    Monitor unwatched;
+    PSS_ASSIGN(const Extent all,
+               read_positions(reader, {}, unwatched, [](std::uint64_t, const World3&) {}));
+    facts["points_read"] = all.records;
+    facts["bounds_read"] = all.bounds.empty() ? Json() : describe_bounds(all.bounds);
   }
   if (header.grid) describe_grid(facts, *header.grid);
   facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);
-  if (header.format == Format::kLas) describe_las(facts, header.carry);
+  describe_format(facts, header);
   facts["attributes"] = describe_schema(header.schema);
   if (!header.warnings.empty()) facts["warnings"] = header.warnings;
   return facts;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "io/points/reader.h"
-#include "stream/jobs/smooth.h"
+#include "stream/jobs/job_state.h"
 #include "stream/store/store.h"
 
 namespace pss {

@@ -6,6 +6,7 @@
 #include "apps/describe.h"
 #include "apps/options.h"
 #include "apps/standard_streams.h"
+#include "io/open.h"
 
 namespace pss {
 

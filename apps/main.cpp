@@ -28,6 +28,7 @@ struct Entry {
 constexpr Entry kCommands[] = {
     {"smooth", "project", "Project every point onto the scan's moving-least-squares surface",
      make_smooth},
+    {"denoise", "", "Drop outliers, or classify them as noise", make_denoise},
     {"tile", "", "Build a store of sorted tiles once, to use it many times", make_tile},
     {"export", "", "Write a store as a file", make_export},
     {"convert", "", "Rewrite files in another format, every attribute and the order kept",

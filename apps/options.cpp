@@ -10,6 +10,7 @@
 #include <span>
 
 #include "core/parallel.h"
+#include "io/formats/table.h"
 #include "stream/limit/memory.h"
 
 namespace pss {
@@ -201,22 +202,27 @@ Result<ScaleChoice> parse_scale_or_auto(std::string_view text) {
 }
 
 void GridOptions::declare(Arguments& arguments) {
+  const std::string gridded = gridded_formats(", ");
   arguments.option("--scale", "S|X,Y,Z|auto",
-                   "LAS: step of the written coordinates; auto: the finest that holds them "
-                   "[the input's]",
+                   gridded +
+                       ": step of the written coordinates; auto: the finest that holds them "
+                       "[the input's]",
                    scale, parse_scale_or_auto);
-  arguments.option("--offset", "X,Y,Z", "LAS: origin of the written coordinates [the input's]",
-                   offset, parse_triple);
+  arguments.option("--offset", "X,Y,Z",
+                   gridded + ": origin of the written coordinates [the input's]", offset,
+                   parse_triple);
 }
 
-void JobOptions::declare(Arguments& arguments) {
+void declare_work(Arguments& arguments, JobRequest& job) {
   arguments.option("--work-dir", "DIR",
                    "Where the job keeps its work; its record stays there [OUTPUT.work, gone after "
                    "success]",
-                   work_dir, parse_text);
-  arguments.flag("--keep-work", "Keep the work directory whole after success", keep_work);
-  arguments.flag("--overwrite", "Replace an existing OUTPUT, at the end and not before", overwrite);
-  arguments.flag("--restart", "Discard the work directory instead of going on with it", restart);
+                   job.work_dir, parse_text);
+  arguments.flag("--keep-work", "Keep the work directory whole after success", job.keep_work);
+  arguments.flag("--overwrite", "Replace an existing OUTPUT, at the end and not before",
+                 job.overwrite);
+  arguments.flag("--restart", "Discard the work directory instead of going on with it",
+                 job.restart);
 }
 
 std::string state_folder() {
@@ -224,6 +230,11 @@ std::string state_folder() {
   if (state && *state == '/') return std::string(state) + "/pss";  // its standard wants it absolute
   const char* home = std::getenv("HOME");
   return home && *home == '/' ? std::string(home) + "/.local/state/pss" : "";
+}
+
+void declare_tile_points(Arguments& arguments, JobRequest& job) {
+  arguments.option("--tile-points", "N", "Points a tile owns at most, for experiments [262144]",
+                   job.tile_points, parse_tile_points);
 }
 
 void declare_drop_outside(Arguments& arguments, std::optional<WorldBox>& box) {

@@ -9,6 +9,7 @@
 #include "apps/arguments.h"
 #include "core/lattice.h"
 #include "core/result.h"
+#include "stream/jobs/job_request.h"
 
 namespace pss {
 
@@ -56,7 +57,7 @@ struct ReportOptions {
   void declare_report(Arguments& arguments);
 };
 
-/// The steps of a LAS file's coordinates, chosen by hand or by pss.
+/// The steps of integer coordinates in a file, chosen by hand or by pss.
 struct ScaleChoice {
   bool automatic = false;  ///< the finest that holds the points
   std::optional<World3> steps;
@@ -64,7 +65,7 @@ struct ScaleChoice {
 /// "auto", or as parse_scale.
 Result<ScaleChoice> parse_scale_or_auto(std::string_view text);
 
-/// The scale and offset of a LAS output.
+/// The scale and offset of an output of a format with an integer grid.
 struct GridOptions {
   ScaleChoice scale;
   std::optional<World3> offset;
@@ -73,18 +74,14 @@ struct GridOptions {
 };
 
 /// Where a job keeps its work, and what becomes of what is there already.
-struct JobOptions {
-  std::string work_dir;  ///< empty: OUTPUT.work
-  bool keep_work = false;
-  bool overwrite = false;
-  bool restart = false;
-
-  void declare(Arguments& arguments);
-};
+void declare_work(Arguments& arguments, JobRequest& job);
 
 /// Where it is remembered which outputs are complete: $XDG_STATE_HOME/pss, or ~/.local/state/pss;
 /// empty where neither is known.
 std::string state_folder();
+
+/// --tile-points, of the jobs that sort.
+void declare_tile_points(Arguments& arguments, JobRequest& job);
 
 /// --drop-outside, which leaves far points out.
 void declare_drop_outside(Arguments& arguments, std::optional<WorldBox>& box);

@@ -66,6 +66,13 @@ Result<ReportFile> ReportFile::claim(const std::string& name, const ReportRules&
   return report;
 }
 
+Result<ReportFile> ReportFile::claim(const std::string& name, const std::string& command,
+                                     const JobRequest& job,
+                                     std::span<const std::string> arguments) {
+  return claim(name,
+               {command, job.inputs, job.output, job.work_directory(), job.overwrite, arguments});
+}
+
 Result<void> ReportFile::write(const std::string& json) const {
   if (name_.empty()) return {};
   if (to_stdout()) return print_data(json + "\n");

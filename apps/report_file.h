@@ -7,6 +7,7 @@
 
 #include "core/result.h"
 #include "io/file/output_lock.h"
+#include "stream/jobs/job_request.h"
 
 namespace pss {
 
@@ -32,6 +33,10 @@ class ReportFile {
   ///         work directory; kFailed where the file exists, cannot be written, or another process
   ///         writes it.
   static Result<ReportFile> claim(const std::string& name, const ReportRules& rules);
+
+  /// The same for a job; `arguments` are the words from which its inputs came.
+  static Result<ReportFile> claim(const std::string& name, const std::string& command,
+                                  const JobRequest& job, std::span<const std::string> arguments);
 
   bool to_stdout() const { return name_ == "-"; }
   Result<void> write(const std::string& json) const;

@@ -17,7 +17,6 @@
 #include "core/parallel.h"
 #include "core/simd/targets.h"
 #include "io/inputs.h"
-#include "stream/jobs/smooth_job.h"
 
 namespace pss {
 
@@ -89,9 +88,11 @@ class Smooth : public Command {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(take_method());
-    take_options();
+    take_grid();
+    job_.state_folder = state_folder();
     Progress progress(reports_.progress);  // from here on a signal ends it in order
-    PSS_ASSIGN(const ReportFile report, claim_report());
+    PSS_ASSIGN(const ReportFile report,
+               ReportFile::claim(reports_.report, "smooth", job_, inputs_));
     ThreadLimit threads(limits_.threads);
     std::optional<simd::ForcedTarget> forced;
     for (const simd::Target& target : simd::targets())
@@ -134,7 +135,7 @@ class Smooth : public Command {
                      options.buffer, parse_positive);
     arguments.flag("--allow-inexact", "Take a --buffer that is too narrow: radii shrink to it",
                    options.allow_inexact);
-    declare_drop_outside(arguments, options.drop_outside);
+    declare_drop_outside(arguments, job_.drop_outside);
     grid_.declare(arguments);
   }
 
@@ -156,13 +157,12 @@ class Smooth : public Command {
 
   void declare_how(Arguments& arguments) {
     limits_.declare(arguments);
-    directory_.declare(arguments);
+    declare_work(arguments, job_);
     arguments.flag("--dry-run", "Only tell tiles, halo, memory, disk and time that it would take",
                    dry_run_);
     reports_.declare_progress(arguments);
     reports_.declare_report(arguments);
-    arguments.option("--tile-points", "N", "Points a tile owns at most, for experiments [262144]",
-                     job_.options.tile_points, parse_tile_points);
+    declare_tile_points(arguments, job_);
     arguments.choice("--simd", target_names(),
                      "Vector instructions to compute with, for experiments [the widest there are]",
                      target_);
@@ -185,22 +185,10 @@ class Smooth : public Command {
                              name_of(options.op))};
   }
 
-  void take_options() {
-    SmoothOptions& options = job_.options;
-    options.scale = grid_.scale.steps;
-    options.scale_auto = grid_.scale.automatic;
-    options.offset = grid_.offset;
-    options.work_dir = directory_.work_dir;
-    options.state_folder = state_folder();
-    options.overwrite = directory_.overwrite;
-    options.restart = directory_.restart;
-    options.keep_work = directory_.keep_work;
-  }
-
-  Result<ReportFile> claim_report() const {
-    const JobPlaces places = places_of(job_);
-    return ReportFile::claim(reports_.report, {"smooth", places.inputs, places.output,
-                                               places.work_directory(), places.overwrite, inputs_});
+  void take_grid() {
+    job_.scale = grid_.scale.steps;
+    job_.scale_auto = grid_.scale.automatic;
+    job_.offset = grid_.offset;
   }
 
   Result<void> estimate(const ReportFile& report, MemoryBudget& budget, Progress& progress) {
@@ -214,7 +202,6 @@ class Smooth : public Command {
   std::string operator_, weight_, precision_, target_;  // empty: not given
   std::optional<int> degree_;
   GridOptions grid_;
-  JobOptions directory_;
   LimitOptions limits_;
   ReportOptions reports_;
   bool dry_run_ = false;

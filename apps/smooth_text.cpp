@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "apps/estimate_text.h"
 #include "apps/ingest_text.h"
 #include "apps/progress_view.h"
 #include "core/status.h"
@@ -21,7 +22,9 @@ std::string widths_text(const ChosenWidths& widths) {
   return fmt::format("h {:.6g}, radius {:.6g}", widths.h, widths.radius);
 }
 
-std::string method_text(const Method& method, NormalsFrom normals) {
+std::string method_text(const SmoothChoices& choices) {
+  const Method& method = choices.method;
+  const NormalsFrom normals = choices.normals;
   const std::string order =
       needs_normals(method.op) ? "" : fmt::format(" of order {}", method.degree);
   const std::string source =
@@ -49,13 +52,13 @@ std::string statuses_text(const ProjectStatistics& statistics) {
   return text;
 }
 
-std::string stages_text(const SmoothReport& report) {
-  const std::string normals = report.normals == NormalsFrom::kFirstPass
-                                  ? fmt::format("normals {:.1f}, ", report.normals_seconds)
-                                  : "";
-  return fmt::format("sort {:.1f}, spacing {:.1f}, {}smooth {:.1f}, write {:.1f}",
-                     report.ingest_seconds, report.spacing_seconds, normals, report.smooth_seconds,
-                     report.write_seconds);
+/// "sort 0.1, spacing 0.4, smooth 3.1, write 0.1": the stages of this run.
+std::string stages_text(const JobReport& report) {
+  std::string text;
+  for (const StageReport& stage : report.stages)
+    if (stage.name != "plan")
+      text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", stage.name, stage.seconds);
+  return text;
 }
 
 double rate(std::uint64_t points, double seconds) {
@@ -69,8 +72,8 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
   std::vector<std::string> lines = report.notes;
   const ProjectStatistics& statistics = report.statistics;
   std::ranges::copy(ingest_lines(report.ingest), std::back_inserter(lines));
-  lines.push_back(method_text(report.method, report.normals) + redone_text(statistics));
-  lines.push_back(widths_text(report.widths));
+  lines.push_back(method_text(report.choices) + redone_text(statistics));
+  lines.push_back(widths_text(report.choices.widths));
   lines.push_back(fmt::format("neighbours {:.1f} a point; moved by {:.4g} rms, {:.4g} at most",
                               statistics.mean_neighbours(), statistics.rms_displacement(),
                               statistics.largest_displacement));
@@ -85,21 +88,9 @@ std::vector<std::string> summary_lines(const SmoothReport& report) {
 }
 
 std::string estimate_text(const SmoothEstimate& estimate) {
-  std::string text;
-  auto line = [&text](const char* what, const std::string& value) {
-    text += fmt::format("{:<16} {}\n", what, value);
-  };
-  line("points", grouped(estimate.points));
-  line("tiles", grouped(estimate.tiles));
-  line("parts", grouped(estimate.parts));
-  line("halo", fmt::format("at most {:.0f}% of the points", estimate.halo_share * 100));
-  line("peak memory", short_size(estimate.peak_memory));
-  line("disk", short_size(estimate.disk_bytes));
-  line("time", short_time(estimate.seconds));
-  line("method", method_text(estimate.method, estimate.normals));
-  if (estimate.from_store) line("widths", widths_text(estimate.widths));
-  line("known from",
-       estimate.from_store ? "the store (whole blocks counted)" : "the headers (estimated)");
+  std::string text = estimate_text(static_cast<const JobEstimate&>(estimate));
+  text += estimate_line("method", method_text(estimate.choices));
+  if (estimate.from_store) text += estimate_line("widths", widths_text(estimate.choices.widths));
   return text;
 }
 

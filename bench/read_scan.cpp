@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "io/points/reader.h"
+#include "io/open.h"
 
 namespace pss::bench {
 

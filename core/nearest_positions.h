@@ -16,6 +16,8 @@ using Neighbour = std::pair<double, Index3>;
 /// Keeps the k first of the distinct neighbours that it is shown.
 class NearestPositions {
  public:
+  static constexpr bool kEachPoint = false;  ///< duplicates of a position count once
+
   explicit NearestPositions(std::size_t k) : k_(k) { found_.reserve(k + 1); }
 
   bool full() const { return found_.size() == k_; }

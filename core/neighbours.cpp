@@ -77,9 +77,11 @@ double plain_distance_sq(const Lattice& lattice, const Index3& a, const Index3& 
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
-/// The k smallest of the values that it is shown.
+/// The k smallest of the values that it is shown: one for each position, or one for each point.
+template <bool kEach>
 class Smallest {
  public:
+  static constexpr bool kEachPoint = kEach;
   explicit Smallest(std::size_t k) : k_(k) { heap_.reserve(k); }
 
   bool full() const { return heap_.size() == k_; }
@@ -216,7 +218,7 @@ double CellGrid::first_guess(const Index3& position, int k) const {
 }
 
 /// Shows `nearest` the squared distances and the places of the distinct positions within `radius`,
-/// but the own.
+/// but the own; or of all points but one at the own.
 ///
 /// Most lie farther than what is known, which a plain sum tells; the rest are decided by length_sq.
 template <class Nearest>
@@ -225,11 +227,19 @@ void CellGrid::add_distances(const Index3& position, double radius, Nearest& nea
   visit_ball({position}, radius * (1 + kSlack), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index3& point = points_[i];
-      if (i + 1 < end && same(points_[i + 1], point)) i = end_of_copies(i, end) - 1;
-      if (plain_distance_sq(lattice_, position, point) > perhaps || same(point, position)) continue;
+      std::size_t points = 1;
+      if (i + 1 < end && same(points_[i + 1], point)) {
+        const std::size_t copies = end_of_copies(i, end);
+        if constexpr (Nearest::kEachPoint) points = copies - i;
+        i = copies - 1;
+      }
+      if (plain_distance_sq(lattice_, position, point) > perhaps) continue;
+      if (same(point, position) && (!Nearest::kEachPoint || --points == 0)) continue;
       const double d = distance_sq(lattice_, position, point);
       if (std::sqrt(d) > radius) continue;
       nearest.add(d, point);
+      for (; points > 1 && !(nearest.full() && d >= nearest.largest()); --points)
+        nearest.add(d, point);
       if (nearest.full()) perhaps = std::min(perhaps, nearest.largest() * (1 + 2 * kSlack));
     }
   });
@@ -252,10 +262,39 @@ void CellGrid::search(const Index3& position, int k, double cap, Nearest& neares
 
 std::optional<double> CellGrid::kth_distance(const Index3& position, int k, double cap) const {
   assert(k >= 1);
-  Smallest nearest(static_cast<std::size_t>(k));
+  Smallest<false> nearest(static_cast<std::size_t>(k));
   search(position, k, cap, nearest);
   if (!nearest.full()) return std::nullopt;
   return std::sqrt(nearest.largest());
+}
+
+std::optional<double> CellGrid::kth_point_distance(const Index3& position, int k,
+                                                   double cap) const {
+  assert(k >= 1);
+  Smallest<true> nearest(static_cast<std::size_t>(k));
+  search(position, k, cap, nearest);
+  if (!nearest.full()) return std::nullopt;
+  return std::sqrt(nearest.largest());
+}
+
+BallSum CellGrid::sum_ball(const Index3& position, double radius) const {
+  BallSum sum;
+  const double perhaps = radius * radius * (1 + 2 * kSlack);
+  visit_ball({position}, radius * (1 + kSlack), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index3& point = points_[i];
+      const std::size_t first = i;
+      if (i + 1 < end && same(points_[i + 1], point)) i = end_of_copies(i, end) - 1;
+      if (plain_distance_sq(lattice_, position, point) > perhaps) continue;
+      const double distance = std::sqrt(distance_sq(lattice_, position, point));
+      if (!(distance < radius)) continue;
+      const std::size_t points = i + 1 - first;
+      sum.points += points;
+      sum.distances += static_cast<double>(points) * distance;
+      sum.heights += static_cast<double>(points) * static_cast<double>(point[2] - position[2]);
+    }
+  });
+  return sum;
 }
 
 std::vector<Neighbour> CellGrid::nearest(const Index3& position, std::size_t count) const {

@@ -33,6 +33,13 @@ struct PointRange {
   std::size_t end;
 };
 
+/// What lies in a ball about a position, summed up.
+struct BallSum {
+  std::uint64_t points = 0;
+  double distances = 0;  ///< from the position, summed in key order
+  double heights = 0;    ///< along the third axis, in steps of the lattice
+};
+
 /// Power-of-two cells over points that are sorted by key.
 ///
 /// Every result depends only on the points within the ball that is asked for, never on the cell
@@ -75,6 +82,16 @@ class CellGrid {
   /// Cost:     about that of one to three balls that hold k positions; copies of a position count
   ///           as one search.
   std::optional<double> kth_distance(const Index3& position, int k, double cap) const;
+
+  /// The same to the k-th nearest point, where duplicates count each: of the points at the position
+  /// itself all but one do. Requires: a position of the cloud.
+  std::optional<double> kth_point_distance(const Index3& position, int k, double cap) const;
+
+  /// The sums over all points whose distance is less than `radius`, those at the position included.
+  ///
+  /// Thread: any number at once.
+  /// Cost:   that of gather(), but that duplicates count as one search; allocates nothing.
+  BallSum sum_ball(const Index3& position, double radius) const;
 
   /// The `count` distinct positions that are nearest to one, its own excluded, in the order of
   /// Neighbour; all, where there are fewer.

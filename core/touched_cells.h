@@ -17,6 +17,9 @@ inline constexpr std::size_t kMostCells = 27;
 /// Bounds the rounding of a plain sum of squares against length_sq, and much else.
 inline constexpr double kSlack = 1e-12;
 
+/// A search costs more than the points of cells so many levels coarser than a ball would like.
+inline constexpr int kCoarser = 3;
+
 using BiasedIndex3 = std::array<std::uint64_t, 3>;
 
 /// An axis of the lattice counted from its lower end, as keys count it.
@@ -118,12 +121,12 @@ struct TouchedCells {
   std::size_t count = 0;
   int shift;
 
-  /// Takes the grid's cells, of side 2^grid_shift, if the best ones are little finer: their
-  /// borders need no search among points.
+  /// Takes the grid's cells, of side 2^grid_shift, if the best ones are up to kCoarser levels
+  /// finer: their borders need no search among points.
   TouchedCells(const Lattice& lattice, const Query& query, double radius, int grid_shift) {
     const BallBox box(lattice, query, radius);
     shift = box.shift();
-    if (shift == grid_shift - 1) shift = grid_shift;
+    if (shift < grid_shift && shift >= grid_shift - kCoarser) shift = grid_shift;
     const CellSlabs x(lattice, query, box, shift, 0);
     const CellSlabs y(lattice, query, box, shift, 1);
     const CellSlabs z(lattice, query, box, shift, 2);

@@ -9,9 +9,9 @@
 
 #include "io/convert_plan.h"
 #include "io/inputs.h"
+#include "io/open.h"
 #include "io/points/position_survey.h"
 #include "io/points/positions.h"
-#include "io/points/writer.h"
 #include "io/reader_on_demand.h"
 
 namespace pss {
@@ -32,13 +32,14 @@ Error interrupted() { return {Fault::kInterrupted, "interrupted; nothing was wri
 /// Brings batches of one reader into the form that the writer was promised.
 class Adapter {
  public:
-  Adapter(const Reader& reader, const WriteOptions& planned, const std::optional<WorldBox>& kept)
+  Adapter(const Reader& reader, const WriteOptions& planned, const Format& format,
+          const std::optional<WorldBox>& kept)
       : mapper_(reader.header().schema, planned.schema),
         from_size_(reader.header().schema.row_size()),
         to_size_(planned.schema.row_size()),
         grid_(reader.header().grid),
         to_world_(reader.header().grid != planned.grid),
-        keep_not_finite_(planned.format != Format::kLas),
+        keep_not_finite_(!format.integer_grid),
         kept_(kept) {}
 
   /// Adds the points that are dropped to `dropped`, by reason.
@@ -148,22 +149,22 @@ void note_rounding(const Writer& writer, const WorldSample& rounded, const Conve
 }
 
 Result<ConvertSummary> copy_all(Readers readers, std::optional<Carry> carry,
-                                const std::string& output, const ConvertOptions& options,
-                                Monitor& monitor) {
+                                const std::string& output, const Format& format,
+                                const ConvertOptions& options, Monitor& monitor) {
   PSS_TRY(check_replaceable(output, options.overwrite));
   PSS_ASSIGN(const OutputLock lock, OutputLock::take(output));
   ConvertSummary summary;
   note_inputs(readers, carry.has_value(), summary.notes);
   PSS_ASSIGN(WriteOptions planned,
-             plan_conversion(readers, std::move(carry), output, options, monitor));
+             plan_conversion(readers, std::move(carry), output, format, options, monitor));
   planned.rules = {options.overwrite, &lock, options.before_rename};
   const WriteOptions shape = without_carry(planned);
   PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, std::move(planned)));
   monitor.begin("convert", shape.count);
   WorldSample rounded;
   for (Reader* reader : readers)
-    PSS_TRY(copy(*reader, Adapter(*reader, shape, options.drop_outside), *writer, rounded, summary,
-                 monitor));
+    PSS_TRY(copy(*reader, Adapter(*reader, shape, format, options.drop_outside), *writer, rounded,
+                 summary, monitor));
   PSS_TRY(writer->finish());
   note_rounding(*writer, rounded, options, summary.notes);
   const auto& written = writer->notes();
@@ -176,13 +177,13 @@ Result<ConvertSummary> copy_all(Readers readers, std::optional<Carry> carry,
 Result<ConvertSummary> copy_points(Readers readers, const std::string& output,
                                    const ConvertOptions& options, Monitor& monitor) {
   if (readers.empty()) return Error{Fault::kFailed, "no input: there is nothing to convert"};
-  PSS_ASSIGN(const Format format, format_for(output));
-  return copy_all(readers, carry_for(readers, format), output, options, monitor);
+  PSS_ASSIGN(const Format* format, format_for(output));
+  return copy_all(readers, carry_for(readers, *format), output, *format, options, monitor);
 }
 
 Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std::string& output,
                                const ConvertOptions& options, Monitor& monitor) {
-  PSS_ASSIGN(const Format format, format_for(output));
+  PSS_ASSIGN(const Format* format, format_for(output));
   PSS_TRY(
       check_grid_options(output, format, options.scale.has_value(), options.offset.has_value()));
   PSS_TRY(check_files(inputs));
@@ -193,7 +194,7 @@ Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std
     PSS_ASSIGN(InputRecord record, settled_fingerprint(input));
     records.push_back(std::move(record));
   }
-  PSS_ASSIGN(OnDemand opened, open_on_demand(records, format));
+  PSS_ASSIGN(OnDemand opened, open_on_demand(records, format->family));
   std::vector<Reader*> readers;
   for (const auto& reader : opened.readers) readers.push_back(reader.get());
   ConvertOptions watched = options;
@@ -201,7 +202,7 @@ Result<ConvertSummary> convert(const std::vector<std::string>& inputs, const std
     PSS_TRY(check_unchanged(records));
     return options.before_rename ? options.before_rename(written) : Result<void>();
   };
-  return copy_all(readers, std::move(opened.carry), output, watched, monitor);
+  return copy_all(readers, std::move(opened.carry), output, *format, watched, monitor);
 }
 
 }  // namespace pss

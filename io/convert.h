@@ -18,8 +18,8 @@
 namespace pss {
 
 struct ConvertOptions {
-  std::optional<World3> scale;   ///< LAS; default: the first input's, or one chosen for the bounds
-  std::optional<World3> offset;  ///< LAS
+  std::optional<World3> scale;   ///< integer grids; default: the first input's, or one chosen
+  std::optional<World3> offset;  ///< integer grids
   std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
   bool overwrite = false;
   BeforeRename before_rename = {};  ///< called when the file is whole, before it gets its name
@@ -39,7 +39,8 @@ struct ConvertSummary {
 /// the format cannot hold them. Inputs are read twice where their bounds or count must be known
 /// first. Without success there is nothing under the output's name that was not there before.
 ///
-/// Errors: kUsage for an unknown extension, a scale or offset without a LAS output, and a store as
+/// Errors: kUsage for an unknown extension, a scale or offset for a format without an integer grid,
+/// and a store as
 ///         an input; kBadInput for damaged files and for coordinate systems that differ;
 ///         kInterrupted where the monitor says so; kFailed for I/O, and where an input changes
 ///         before the output has its name.

@@ -1,12 +1,10 @@
 #include "io/convert_plan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
 
-#include "io/formats/las/las_grid.h"
-#include "io/formats/las/las_plan.h"
+#include "io/points/common_crs.h"
+#include "io/points/integer_grid.h"
 #include "io/points/position_survey.h"
 #include "io/points/reader.h"
 
@@ -15,25 +13,9 @@ namespace {
 
 using Readers = std::span<Reader* const>;
 
-/// Enough of a text to tell it from another.
-std::string shortened(const std::string& text) {
-  constexpr std::size_t kLongest = 160;
-  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
-}
-
 Result<void> check_crs(Readers readers) {
-  const CloudHeader* named = nullptr;
-  for (const Reader* reader : readers) {
-    const CloudHeader& header = reader->header();
-    if (header.crs.empty()) continue;
-    if (named && named->crs != header.crs)
-      return Error{
-          Fault::kBadInput,
-          fmt::format("{}: found the coordinate system {}, expected {} as in {}; bring "
-                      "the files into one system first",
-                      header.path, shortened(header.crs), shortened(named->crs), named->path)};
-    if (!named) named = &header;
-  }
+  CommonCrs common;
+  for (const Reader* reader : readers) PSS_TRY(common.add(reader->header()));
   return {};
 }
 
@@ -62,13 +44,12 @@ double coarsest_step(const Lattice& grid, const WorldBox& bounds) {
 class Planner {
  public:
   Planner(Readers readers, std::optional<Carry> carry, const std::string& output,
-          const ConvertOptions& options, Monitor& monitor)
-      : readers_(readers), output_(output), options_(options), monitor_(monitor) {
+          const Format& format, const ConvertOptions& options, Monitor& monitor)
+      : readers_(readers), output_(output), format_(format), options_(options), monitor_(monitor) {
     write_.carry = std::move(carry);
   }
 
   Result<WriteOptions> plan() {
-    PSS_ASSIGN(write_.format, format_for(output_));
     PSS_TRY(check_crs(readers_));
     write_.schema = united_schema(readers_);
     write_.grid = common_grid(readers_);
@@ -77,7 +58,7 @@ class Planner {
     write_.same_points = readers_.size() == 1 && write_.carry && !options_.scale &&
                          !options_.offset && !options_.drop_outside;
     PSS_TRY(take_bounds());
-    if (write_.format == Format::kLas && !write_.same_points) PSS_TRY(check_grid());
+    if (format_.integer_grid && !write_.same_points) PSS_TRY(check_grid());
     return std::move(write_);
   }
 
@@ -85,7 +66,7 @@ class Planner {
   /// Count and bounds: as promised, or by reading where nothing is promised.
   Result<void> take_bounds() {
     const bool one_grid = readers_.size() == 1 && write_.grid;
-    const bool needs_bounds = write_.format == Format::kLas && !one_grid;
+    const bool needs_bounds = format_.integer_grid && !one_grid;
     WorldBox bounds;
     for (std::size_t i = 0; i < readers_.size(); ++i) {
       const CloudHeader& header = readers_[i]->header();
@@ -117,13 +98,12 @@ class Planner {
     if (!begun_) monitor_.begin("survey", 0);
     begun_ = true;
     Reader& reader = *readers_[number];
-    PSS_ASSIGN(const std::uint64_t count,
-               visit_positions(reader, options_.drop_outside, monitor_,
-                               [&](std::uint64_t record, const World3& position) {
-                                 survey_.add(number, record, position);
-                               }));
+    PSS_ASSIGN(const Extent extent, read_positions(reader, options_.drop_outside, monitor_,
+                                                   [&](std::uint64_t record, const World3& at) {
+                                                     survey_.add(number, record, at);
+                                                   }));
     PSS_TRY(reader.seek(0));
-    return count;
+    return extent.records;
   }
 
   /// Reads all positions of all readers: what headers promise is trusted no more.
@@ -145,16 +125,15 @@ class Planner {
       PSS_ASSIGN(grid, planned_grid());
     }
     const bool one = readers_.size() == 1;
-    PSS_TRY(check_las_grid(one ? readers_[0]->header().path : output_, grid, *write_.bounds,
-                           *write_.bounds));
+    PSS_TRY(check_integer_grid(one ? readers_[0]->header().path : output_, grid, *write_.bounds,
+                               *write_.bounds));
     return promised_ || !chosen(grid) ? Result<void>() : check_step(grid);
   }
 
   /// The grid that the writer makes of what is known.
   Result<Lattice> planned_grid() const {
-    WriteOptions copy = write_;  // whose carried header is taken
-    PSS_ASSIGN(const LasPlan plan, plan_las(output_, copy));
-    return plan.header.grid();
+    PSS_ASSIGN(const std::optional<Lattice> grid, format_.plan(output_, write_));
+    return *grid;
   }
 
   /// Whether the scale is neither by hand nor that of an input.
@@ -167,7 +146,7 @@ class Planner {
 
   /// By what headers promise: a grid that is chosen for that alone may be far too coarse.
   bool surely_good(const Lattice& grid) const {
-    return las_grid_holds(grid, *write_.bounds) && !chosen(grid);
+    return integer_grid_holds(grid, *write_.bounds) && !chosen(grid);
   }
 
   Result<void> check_step(const Lattice& grid) {
@@ -177,7 +156,7 @@ class Planner {
                               [this](SpacingMeter& meter) { return measure_spacing(meter); }));
     if (!too_coarse(step, spacing)) return {};
     const std::size_t culprit = survey_.farthest().position.input;
-    return too_far(survey_, readers_[culprit]->header().path, step, spacing, kLeastLasSteps);
+    return too_far(survey_, readers_[culprit]->header().path, step, spacing, kLeastGridSteps);
   }
 
   Result<void> measure_spacing(SpacingMeter& meter) {
@@ -190,6 +169,7 @@ class Planner {
 
   Readers readers_;
   const std::string& output_;
+  const Format& format_;
   const ConvertOptions& options_;
   Monitor& monitor_;
   WriteOptions write_;
@@ -200,18 +180,18 @@ class Planner {
 
 }  // namespace
 
-std::optional<Carry> carry_for(Readers readers, Format format) {
+std::optional<Carry> carry_for(Readers readers, const Format& format) {
   for (const Reader* reader : readers) {
     const Carry& carry = reader->header().carry;
-    if (carry.format == format && !carry.head.empty()) return carry;
+    if (carry.family == format.family && !carry.head.empty()) return carry;
   }
   return std::nullopt;
 }
 
 Result<WriteOptions> plan_conversion(Readers readers, std::optional<Carry> carry,
-                                     const std::string& output, const ConvertOptions& options,
-                                     Monitor& monitor) {
-  return Planner(readers, std::move(carry), output, options, monitor).plan();
+                                     const std::string& output, const Format& format,
+                                     const ConvertOptions& options, Monitor& monitor) {
+  return Planner(readers, std::move(carry), output, format, options, monitor).plan();
 }
 
 }  // namespace pss

@@ -12,7 +12,7 @@
 
 #include "io/file/disk.h"
 #include "io/file/file.h"
-#include "io/points/writer.h"
+#include "io/formats/table.h"
 
 namespace pss {
 namespace {
@@ -46,7 +46,7 @@ Result<void> add_directory(const std::string& path, Expansion& out) {
   Paths found;
   for (const std::string& name : names) {
     const std::string file = path + (path.ends_with('/') ? "" : "/") + name;
-    if (is_regular_file(file) && format_for(file)) found.push_back(file);
+    if (is_regular_file(file) && format_by_extension(file)) found.push_back(file);
   }
   if (found.empty()) return failed(path, "found no file to read in this directory");
   for (const std::string& name : found) out.add_found(name);

@@ -11,7 +11,7 @@ namespace pss {
 
 /// Files in the order of the arguments. An argument is
 ///   a file, or a store (a directory NAME.pss), taken as it is;
-///   another directory: its files with extensions that open_reader() knows, by name;
+///   another directory: its files with extensions of formats in the table, by name;
 ///   a glob (*, ?, [...]) where no file has that very name: its matches, by name;
 ///   @LIST: a file with one argument a line; empty lines are skipped, lists in lists refused.
 /// `output` is left out of what directories and globs give: the same command finds the same inputs

@@ -1,27 +1,13 @@
-// open_reader(), create_writer() and format_for() of io/points/reader.h and io/points/writer.h:
-// which format.
+#include "io/open.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "io/file/file.h"
-#include "io/formats/las/las_header.h"
-#include "io/formats/las/las_reader.h"
-#include "io/formats/las/las_writer.h"
-#include "io/formats/ply/ply_plan.h"
-#include "io/formats/ply/ply_reader.h"
-#include "io/formats/ply/ply_writer.h"
-#include "io/formats/text/text_layout.h"
-#include "io/formats/text/text_plan.h"
-#include "io/formats/text/text_reader.h"
-#include "io/formats/text/text_writer.h"
-#include "io/points/reader.h"
-#include "io/points/writer.h"
+#include "io/formats/table.h"
 
 namespace pss {
 namespace {
@@ -30,10 +16,10 @@ constexpr std::size_t kSniffed = 4096;
 
 struct Signature {
   std::string_view start;
-  const char* format;
+  const char* name;
 };
 
-/// Formats that point clouds come in, or files that are taken for them, and we cannot read.
+/// What point clouds come in, or is taken for them, and no format of the table reads.
 constexpr std::array kUnsupported{Signature{"ASTM-E57", "E57"},
                                   Signature{"# .PCD", "PCD"},
                                   Signature{"# PCD", "PCD"},
@@ -55,18 +41,35 @@ constexpr std::array kUnsupported{Signature{"ASTM-E57", "E57"},
                                   Signature{"\x89PNG", "PNG"},
                                   Signature{"%PDF", "PDF"}};
 
-/// Text has no control characters but those that break lines and columns.
-bool looks_like_text(std::string_view start) {
-  return std::ranges::all_of(start, [](char c) {
-    const auto byte = static_cast<unsigned char>(c);
-    return (byte >= 0x20 && byte != 0x7F) || c == '\n' || c == '\r' || c == '\t' || c == '\f';
-  });
+Error unsupported(const std::string& path, const std::string& what) {
+  return {Fault::kBadInput,
+          fmt::format("{}: offset 0: found {}, expected {}", path, what, readable_formats())};
 }
 
-Error unsupported(const std::string& path, const std::string& what) {
-  return {Fault::kBadInput, fmt::format("{}: offset 0: found {}, expected LAS, PLY or text (xyz, "
-                                        "csv, txt, pts)",
-                                        path, what)};
+/// The first format to which a file that begins so looks like this; null for none.
+const Format* format_like(std::string_view start, Likeness likeness) {
+  for (const Format* format : kFormats)
+    if (format->probe(start) == likeness) return format;
+  return nullptr;
+}
+
+Result<const Format*> format_of(const std::string& path, std::string_view start) {
+  if (start.empty()) return unsupported(path, "an empty file");
+  if (const Format* format = format_like(start, Likeness::kCertain)) return format;
+  for (const Signature& signature : kUnsupported)
+    if (start.starts_with(signature.start)) return unsupported(path, signature.name);
+  // A PTX file is text whose first lines are no points.
+  if (extension_of(path) == "ptx") return unsupported(path, "PTX");
+  if (const Format* format = format_like(start, Likeness::kPossible)) return format;
+  return unsupported(path, "bytes of no known format");
+}
+
+Result<std::string> read_start(const std::string& path) {
+  std::string start(kSniffed, '\0');
+  PSS_ASSIGN(const File file, File::open(path));
+  PSS_ASSIGN(const std::size_t got, file.read_some(0, std::as_writable_bytes(std::span(start))));
+  start.resize(got);
+  return start;
 }
 
 }  // namespace
@@ -76,58 +79,37 @@ Result<std::unique_ptr<Reader>> open_reader(const std::string& path) {
 }
 
 Result<std::unique_ptr<Reader>> open_reader_holding(HeadBytes bytes, const std::string& path) {
-  std::string start(kSniffed, '\0');
-  PSS_ASSIGN(const File file, File::open(path));
-  PSS_ASSIGN(const std::size_t got, file.read_some(0, std::as_writable_bytes(std::span(start))));
-  start.resize(got);
-  if (start.empty()) return unsupported(path, "an empty file");
-  if (is_las(std::as_bytes(std::span(start)))) return open_las_holding(bytes, path);
-  if (start.starts_with("ply\n") || start.starts_with("ply\r")) return open_ply(path);
-  for (const Signature& signature : kUnsupported)
-    if (start.starts_with(signature.start)) return unsupported(path, signature.format);
-  // A PTX file is text whose first lines are no points.
-  if (extension_of(path) == "ptx") return unsupported(path, "PTX");
-  if (!looks_like_text(start)) return unsupported(path, "bytes of no known format");
-  return open_text(path);
+  PSS_ASSIGN(const std::string start, read_start(path));
+  PSS_ASSIGN(const Format* format, format_of(path, start));
+  return format->open(bytes, path);
 }
 
-Result<Format> format_for(const std::string& path) {
-  const std::string extension = extension_of(path);
-  if (extension == "las") return Format::kLas;
-  if (extension == "ply") return Format::kPly;
-  for (const char* text : {"xyz", "txt", "csv", "asc", "pts"})
-    if (extension == text) return Format::kText;
+Result<const Format*> format_for(const std::string& path) {
+  const Format* format = format_by_extension(path);
+  if (format && format->create) return format;
   return Error{Fault::kUsage,
-               fmt::format("{}: found the extension '{}', expected las, ply, xyz, txt, csv, asc or "
-                           "pts, which tells the format to write",
-                           path, extension)};
+               fmt::format("{}: found the extension '{}', expected {}, which tells the format to "
+                           "write",
+                           path, extension_of(path), writable_extensions())};
 }
 
-Result<void> check_grid_options(const std::string& path, std::optional<Format> format, bool scale,
+Result<void> check_grid_options(const std::string& path, const Format* format, bool scale,
                                 bool offset) {
-  if (format == Format::kLas || (!scale && !offset)) return {};
+  if ((format && format->integer_grid) || (!scale && !offset)) return {};
   return Error{Fault::kUsage,
-               fmt::format("{}: {} has no meaning for it, as only LAS has a grid; leave it out",
-                           path, scale ? "--scale" : "--offset")};
+               fmt::format("{}: {} has no meaning for it, as only {} has a grid; leave it out",
+                           path, scale ? "--scale" : "--offset", gridded_formats())};
 }
 
 Result<void> check_writable(const std::string& path, WriteOptions options) {
-  if (options.format == Format::kLas) return check_las(path, std::move(options));
-  if (options.format == Format::kPly) PSS_TRY(plan_ply(path, options));
-  if (options.format == Format::kText) PSS_TRY(plan_text(path, options));
+  PSS_ASSIGN(const Format* format, format_for(path));
+  PSS_TRY(format->plan(path, std::move(options)));
   return {};
 }
 
 Result<std::unique_ptr<Writer>> create_writer(const std::string& path, WriteOptions options) {
-  switch (options.format) {
-    case Format::kLas:
-      return create_las(path, std::move(options));
-    case Format::kPly:
-      return create_ply(path, options);
-    case Format::kText:
-      return create_text(path, options);
-  }
-  return Error{Fault::kUsage, fmt::format("{}: no such format", path)};
+  PSS_ASSIGN(const Format* format, format_for(path));
+  return format->create(path, std::move(options));
 }
 
 }  // namespace pss

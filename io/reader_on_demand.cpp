@@ -37,14 +37,14 @@ Result<void> ReaderOnDemand::open() {
                                            header_.path)};
 }
 
-Result<OnDemand> open_on_demand(std::span<const InputRecord> records, Format carried) {
+Result<OnDemand> open_on_demand(std::span<const InputRecord> records, std::string_view family) {
   OnDemand opened;
   std::string crs;
   for (const InputRecord& record : records) {
     PSS_ASSIGN(const std::unique_ptr<Reader> reader,
                open_watched(record, opened.carry ? HeadBytes::kLeft : HeadBytes::kKept));
     CloudHeader header = reader->header();
-    if (!opened.carry && header.carry.format == carried && !header.carry.head.empty())
+    if (!opened.carry && header.carry.family == family && !header.carry.head.empty())
       opened.carry = std::move(header.carry);
     header.carry = {};
     if (crs.empty())

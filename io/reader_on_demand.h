@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -36,12 +37,12 @@ class ReaderOnDemand : public Reader {
 /// What is kept of many files that are to be read.
 struct OnDemand {
   std::vector<std::unique_ptr<Reader>> readers;
-  std::optional<Carry> carry;  ///< of the first file of the format that was asked for
+  std::optional<Carry> carry;  ///< of the first file of the family that was asked for
 };
 
-/// Readers of the files with these records. What a header carries to a file of the same format is
-/// kept of the first file of the format `carried` alone, and of equal coordinate systems the first:
-/// only those are used, and thousands add up.
-Result<OnDemand> open_on_demand(std::span<const InputRecord> records, Format carried);
+/// Readers of the files with these records. What a header carries to another file is kept of the
+/// first file of this family of formats alone, and of equal coordinate systems the first: only
+/// those are used, and thousands add up.
+Result<OnDemand> open_on_demand(std::span<const InputRecord> records, std::string_view family);
 
 }  // namespace pss

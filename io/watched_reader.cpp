@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "io/open.h"
+
 namespace pss {
 namespace {
 
@@ -14,6 +16,8 @@ class WatchedReader : public Reader {
       : reader_(std::move(reader)), expected_(expected), count_(count) {}
 
   const CloudHeader& header() const override { return reader_->header(); }
+
+  std::size_t unit() const override { return reader_->unit(); }
 
   Result<void> read(std::size_t max, PointBatch& batch) override {
     if (auto read = reader_->read(max, batch); !read) return change_or(read.error(), expected_);

@@ -2,6 +2,7 @@
 // A reader of a file that must stay as it is until its last record was read.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -20,5 +21,9 @@ namespace pss {
 /// meanwhile.
 Result<std::unique_ptr<Reader>> open_watched(const InputRecord& expected, HeadBytes bytes,
                                              std::optional<std::uint64_t> count = {});
+
+/// A function like open_watched(), for those whose inputs may be no files.
+using OpenInput = std::function<Result<std::unique_ptr<Reader>>(
+    const InputRecord& expected, HeadBytes bytes, std::optional<std::uint64_t> count)>;
 
 }  // namespace pss

@@ -103,6 +103,10 @@ bool same_disk(const std::string& a, const std::string& b);
 /// The directory part of a path, "." where there is none.
 std::string directory_of(const std::string& path);
 
+/// "csv" of "dir/name.CSV": what follows the last dot, in lower case; empty for a hidden file's
+/// name.
+std::string extension_of(const std::string& path);
+
 /// Whether a name is `prefix` and a number of six digits or more.
 bool is_numbered(std::string_view name, std::string_view prefix);
 

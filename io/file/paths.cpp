@@ -176,6 +176,16 @@ std::string directory_of(const std::string& path) {
   return end == std::string::npos ? "/" : path.substr(0, end + 1);
 }
 
+std::string extension_of(const std::string& path) {
+  const std::size_t dot = path.find_last_of("./");
+  if (dot == std::string::npos || path[dot] != '.') return "";
+  if (dot == 0 || path[dot - 1] == '/') return "";  // the name of a hidden file
+  std::string extension = path.substr(dot + 1);
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension;
+}
+
 bool is_numbered(std::string_view name, std::string_view prefix) {
   constexpr std::size_t kFewestDigits = 6;
   return name.starts_with(prefix) && name.size() >= prefix.size() + kFewestDigits &&

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/lattice.h"
@@ -12,18 +11,13 @@
 
 namespace pss {
 
-enum class Format : std::uint8_t { kLas, kPly, kText };
-
-const char* format_name(Format format);
-/// The format that format_name() gives this name; none where no format has it.
-std::optional<Format> format_named(std::string_view name);
-
-/// What of a file's header travels to a file of the same format that is made from it.
+/// What of a file's header travels to a file of the same format, or family of formats, that is made
+/// from it.
 ///
-/// Opaque bytes that only the format's own reader and writer understand: for LAS the header and
+/// Opaque bytes that only the family's own readers and writers understand: for LAS the header and
 /// VLRs (`head`) and the EVLRs (`tail`), for PLY the header text.
 struct Carry {
-  Format format = Format::kLas;
+  std::string family;  ///< Format::family; empty where nothing is carried
   std::vector<std::byte> head;
   std::vector<std::byte> tail;
 
@@ -33,7 +27,7 @@ struct Carry {
 /// What a file's header says, before any point is read. Nothing of it is trusted.
 struct CloudHeader {
   std::string path;
-  Format format = Format::kLas;
+  std::string format;                  ///< Format::name; empty for points of no file
   std::optional<std::uint64_t> count;  ///< points promised; text files promise none
   std::optional<Lattice> grid;         ///< the integer grid of positions, where the format has one
   std::optional<WorldBox> bounds;

@@ -59,21 +59,21 @@ PositionSurvey::Farthest PositionSurvey::farthest() const {
   return {above ? high_[longest] : low_[longest], longest};
 }
 
-Result<std::uint64_t> visit_positions(
-    Reader& reader, const std::optional<WorldBox>& kept, Monitor& monitor,
-    const std::function<void(std::uint64_t, const World3&)>& visit) {
-  std::uint64_t count = 0;
+Result<Extent> read_positions(Reader& reader, const std::optional<WorldBox>& kept, Monitor& monitor,
+                              const std::function<void(std::uint64_t, const World3&)>& visit) {
+  Extent extent;
   PointBatch batch;
   for (;;) {
     if (monitor.stopping()) return Error{Fault::kInterrupted, "stopped while reading positions"};
     PSS_TRY(reader.read(kBatch, batch));
-    if (batch.size() == 0) return count;
+    if (batch.size() == 0) return extent;
     for (std::size_t i = 0; i < batch.size(); ++i) {
       const World3 position = world_position(batch, reader.header().grid, i);
       if (!finite(position) || (kept && !kept->contains(position))) continue;
+      extent.bounds.add(position);
       visit(batch.first_record + i, position);
     }
-    count += batch.size();
+    extent.records += batch.size();
     monitor.advance(batch.size());
   }
 }
@@ -87,7 +87,7 @@ Result<void> measure_positions(Reader& reader, const std::optional<WorldBox>& ke
     meter.add(positions);
     positions.clear();
   };
-  PSS_TRY(visit_positions(reader, kept, monitor, visit));
+  PSS_TRY(read_positions(reader, kept, monitor, visit));
   meter.add(positions);
   return {};
 }

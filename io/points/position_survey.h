@@ -46,11 +46,19 @@ class PositionSurvey {
   WorldSample sample_;
 };
 
-/// Reads what follows of `reader`; calls `visit` for each finite position within `kept`, which may
-/// be absent, with the number of its record. Returns how many records there were.
-Result<std::uint64_t> visit_positions(
-    Reader& reader, const std::optional<WorldBox>& kept, Monitor& monitor,
-    const std::function<void(std::uint64_t, const World3&)>& visit);
+/// How many points a reading of a file found, and where.
+struct Extent {
+  std::uint64_t records = 0;  ///< also those whose positions are passed over
+  WorldBox bounds;            ///< of the others
+};
+
+/// Reads what follows of `reader` and measures it. Positions that are not finite, or outside
+/// `kept`, which may be absent, are passed over; `visit` is called for each of the others with the
+/// number of its record.
+///
+/// Errors: those of reading; kInterrupted.
+Result<Extent> read_positions(Reader& reader, const std::optional<WorldBox>& kept, Monitor& monitor,
+                              const std::function<void(std::uint64_t, const World3&)>& visit);
 
 /// Passes the positions of a reader to a meter. Errors: those of reading; kInterrupted.
 Result<void> measure_positions(Reader& reader, const std::optional<WorldBox>& kept,

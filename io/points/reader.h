@@ -2,8 +2,6 @@
 // Reads the points of one file in order, in bounded memory, whatever the format.
 
 #include <cstdint>
-#include <memory>
-#include <string>
 
 #include "core/result.h"
 #include "io/points/points.h"
@@ -21,9 +19,19 @@ class Reader {
   /// Errors: kBadInput where the file is damaged or ends before the points it promised.
   virtual Result<void> read(std::size_t max, PointBatch& batch) = 0;
 
-  /// read() in two steps, for those who decode on many threads: `out.count` is how many there are.
+  /// The most records that the format decodes together, as those of a LAZ chunk: at least 1, and
+  /// not more than the header's count. 1 also where all records are decoded in order.
   ///
-  /// What a format can only read in order is decoded here already. Errors: those of read().
+  /// Nothing of a claim is trusted: whoever fetches asks the memory limit for so many first.
+  virtual std::size_t unit() const { return 1; }
+
+  /// read() in two steps, for those who decode on many threads: `out.count` is how many there are,
+  /// 0 only at the end.
+  ///
+  /// What a format can only read in order is decoded here already. Records that are decoded
+  /// together are fetched together: a reader gives fewer than `max` rather than cut them. Where
+  /// `max` is less than what is left of them, it gives that many, and decodes them all for it.
+  /// Errors: those of read().
   virtual Result<void> fetch(std::size_t max, RawPoints& out) {
     PSS_TRY(read(max, out.points));
     out.count = out.points.size();
@@ -39,14 +47,5 @@ class Reader {
 /// Whether a reader holds the bytes that another file would carry on: of the first of many inputs
 /// they are wanted, of the others they would only add up.
 enum class HeadBytes : std::uint8_t { kKept, kLeft };
-
-/// Opens a file by its content, not its name.
-///
-/// Errors: kFailed where it cannot be opened, kBadInput where it is of no supported format.
-Result<std::unique_ptr<Reader>> open_reader(const std::string& path);
-
-/// The same. With kLeft the header's `carry` may be empty, and opening takes little memory, however
-/// large the file's head is; `carry_size` tells what it would hold.
-Result<std::unique_ptr<Reader>> open_reader_holding(HeadBytes bytes, const std::string& path);
 
 }  // namespace pss

@@ -2,7 +2,6 @@
 // Writes points to one file in bounded memory; the file has its name only once it is complete.
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,14 +14,13 @@ namespace pss {
 
 /// What a writer must know before the first point.
 struct WriteOptions {
-  Format format = Format::kLas;
   Schema schema;                ///< of the rows that write() gets
   std::optional<Lattice> grid;  ///< of the positions that write() gets, where they are integers
   std::uint64_t count = 0;  ///< points to come; more is an error, fewer is corrected in the header
-  std::optional<Carry> carry;  ///< header to carry on, used where its format is this one
+  std::optional<Carry> carry;  ///< header to carry on, used where its family is this one's
   double tolerance = 0;  ///< positions are known no better: text gets the shortest number this near
   std::optional<WorldBox> bounds;       ///< of the points to come; to choose scale and offset by
-  std::optional<World3> scale, offset;  ///< LAS: instead of the carried or chosen ones
+  std::optional<World3> scale, offset;  ///< integer grids: instead of carried or chosen ones
   /// The points to come are those of the carried header's file, all and in order: what its header
   /// says of them (bounds, counts) stays as it is.
   bool same_points = false;
@@ -47,23 +45,5 @@ class Writer {
   /// Completes the header, syncs, and gives the file its name. Without it nothing stays.
   virtual Result<void> finish() = 0;
 };
-
-/// The format that a name's extension asks for: las, ply, xyz, txt, csv, asc, pts.
-Result<Format> format_for(const std::string& path);
-
-/// Refuses a scale or an offset by hand for a format that has no grid, or for a store (no format).
-///
-/// Errors: kUsage.
-Result<void> check_grid_options(const std::string& path, std::optional<Format> format, bool scale,
-                                bool offset);
-
-/// Whether create_writer() would take these options, as far as no file decides it; touches none.
-///
-/// Errors: kUsage for a scale or offset that is no grid; kBadInput for more attributes than the
-///         format can hold.
-Result<void> check_writable(const std::string& path, WriteOptions options);
-
-/// Cost: the carried header is moved, not copied, from options that are.
-Result<std::unique_ptr<Writer>> create_writer(const std::string& path, WriteOptions options);
 
 }  // namespace pss

@@ -74,7 +74,6 @@ SynthReader::SynthReader(const SynthOptions& options)
 
 void SynthReader::make_header() {
   header_.path = std::string("synth ") + shape_name(options_.surface);
-  header_.format = Format::kLas;
   header_.count = options_.points;
   header_.grid = grid(options_);
   if (options_.points > 0) header_.bounds = noisy_bounds(options_);

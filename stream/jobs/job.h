@@ -3,39 +3,16 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/file/output_file.h"
 #include "io/file/output_lock.h"
 #include "stream/jobs/job_record.h"
+#include "stream/jobs/job_request.h"
 #include "stream/jobs/work_directory.h"
-#include "stream/limit/memory.h"
 
 namespace pss {
-
-/// Where a job reads, works and writes, and what it may do to what is there.
-struct JobPlaces {
-  std::vector<std::string> inputs;
-  std::string output;
-  std::string work_dir;  ///< empty: OUTPUT.work, which is gone after success
-  /// Where it is remembered that OUTPUT is complete once OUTPUT.work is gone; empty: nowhere.
-  std::string state_folder;
-  bool overwrite = false;
-  bool restart = false;
-  bool keep_work = false;
-
-  std::string work_directory() const { return work_dir.empty() ? output + ".work" : work_dir; }
-};
-
-/// Refuses places that would endanger each other, before anything is made: an output or an input
-/// within the work directory, or the other way round, a work directory that is not pss's own, an
-/// input within a store that is to be replaced, a store's output on another disk than the work
-/// directory, from where it could not be renamed.
-///
-/// Errors: kUsage; those of check_work_directory().
-Result<void> check_places(const JobPlaces& places);
 
 /// A job that runs: it has the locks on OUTPUT and on its work directory.
 class Job {
@@ -45,13 +22,20 @@ class Job {
   /// Requires: check_places() has found nothing.
   /// Errors:   those of the locks; kFailed where OUTPUT exists and is not this job's, or the
   ///           directory holds another job.
-  static Result<Job> enter(const JobPlaces& places, JobRecord record, Monitor& monitor);
+  static Result<Job> enter(const JobRequest& request, JobRecord record, Monitor& monitor);
 
   bool complete() const { return complete_; }  ///< OUTPUT is there, as this job writes it
   bool resumed() const { return resumed_; }
   const JobRecord& record() const { return record_; }
   /// Requires: not complete().
   const WorkDirectory& work() const { return *work_; }
+
+  /// Names a pass in the record, where that does not know it yet, before its store is made.
+  Result<void> begin_pass(const std::string& name);
+  /// Records that no further pass comes, where that was not known yet.
+  Result<void> end_passes();
+  /// Removes what the complete result was made from, unless it is to be kept.
+  Result<void> drop_sources() const;
 
   /// The rules by which OUTPUT is written as a file. Requires: this stays where it is meanwhile.
   OutputRules output_rules();
@@ -65,7 +49,7 @@ class Job {
   Error fail(Error why);
 
  private:
-  Job(const JobPlaces& places, JobRecord record, OutputLock lock, Monitor& monitor);
+  Job(const JobRequest& request, JobRecord record, OutputLock lock, Monitor& monitor);
   Result<bool> is_complete();
   Result<bool> has_content(const FileContent& content) const;
   Result<void> put_back();
@@ -75,8 +59,9 @@ class Job {
   Result<void> open_work();
   Result<void> check_rename() const;
   Result<void> take_over(const JobRecord& before);
+  void take_passes(const JobRecord& before);
   Result<void> replace_store(const std::string& store);
-  JobPlaces places_;
+  JobRequest request_;
   JobRecord record_;
   OutputLock lock_;
   std::optional<WorkDirectory> work_;

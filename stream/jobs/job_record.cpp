@@ -56,6 +56,11 @@ std::string checksum_of(const json& j) {
 /// Errors: throws json::exception for anything but an object.
 std::string object_text(const json& j) { return json(j.get<json::object_t>()).dump(); }
 
+/// Names that lead out of the directory are nobody's passes.
+bool are_pass_names(const std::vector<std::string>& names) {
+  return std::ranges::all_of(names, is_pass_name);
+}
+
 JobRecord record_from(const json& j) {
   JobRecord record;
   record.command = j.at("command").get<std::string>();
@@ -63,6 +68,8 @@ JobRecord record_from(const json& j) {
   record.sorting = object_text(j.at("sorting"));
   record.parameters = object_text(j.at("parameters"));
   for (const json& input : j.at("inputs")) record.inputs.push_back(input_from(input));
+  record.passes = j.at("passes").get<std::vector<std::string>>();
+  record.may_grow = j.at("may_grow").get<bool>();
   record.spoiled = name_of_json_text(j.at("spoiled").get<std::string>());
   record.discarding = j.at("discarding").get<bool>();
   record.complete = j.at("complete").get<bool>();
@@ -103,6 +110,8 @@ std::string to_text(const JobRecord& record) {
   j["program"] = "pss";
   j["version"] = kJobRecordVersion;
   j["output"] = json_text_of(record.output);
+  j["passes"] = record.passes;
+  j["may_grow"] = record.may_grow;
   j["spoiled"] = json_text_of(record.spoiled);
   j["discarding"] = record.discarding;
   j["complete"] = record.complete;
@@ -126,10 +135,19 @@ Result<JobRecord> job_record_from(const std::string& path, std::span<const std::
                                "another version of pss; end it with that one, or use another "
                                "--work-dir",
                                path, j.at("version").dump(), kJobRecordVersion)};
-    return record_from(j);
+    JobRecord record = record_from(j);
+    if (!are_pass_names(record.passes))
+      return not_ours(path, "damaged at offset 0: found a pass of a name that none has");
+    return record;
   } catch (const json::exception& e) {
     return not_ours(path, fmt::format("damaged at offset 0: found no job record ({})", e.what()));
   }
+}
+
+bool is_pass_name(const std::string& name) {
+  constexpr const char* kLetters = "abcdefghijklmnopqrstuvwxyz0123456789-";
+  return !name.empty() && name.find_first_not_of(kLetters) == std::string::npos &&
+         name != "input" && name != "replaced";
 }
 
 std::string identity_of(const JobRecord& record) {

@@ -1,5 +1,7 @@
 #include "stream/jobs/smooth_method.h"
 
+#include <nlohmann/json.hpp>
+
 #include "stream/jobs/smooth.h"
 
 namespace pss {
@@ -19,6 +21,15 @@ Method method_of(const SmoothOptions& options) {
   if (needs_normals(method.op)) method.degree = kNormalsDegree;
   method.precision = options.precision.value_or(default_precision(method));
   return method;
+}
+
+nlohmann::ordered_json method_json(const Method& method) {
+  using Json = nlohmann::ordered_json;
+  const bool has_order = !needs_normals(method.op);
+  return {{"operator", name_of(method.op)},
+          {"weight", name_of(method.weight)},
+          {"precision", name_of(method.precision)},
+          {"polynomial_order", has_order ? Json(method.degree) : Json()}};
 }
 
 }  // namespace pss

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 
 #include "io/file/disk.h"
 #include "io/file/file.h"
@@ -15,8 +15,11 @@ namespace pss {
 namespace {
 
 constexpr std::uint64_t kLargestRecord = 64u << 20;
-constexpr std::array kDirectories{"runs",       "input.pss",    "normals.pss",
-                                  "result.pss", "replaced.pss", "probe"};
+
+/// Whether a job may make a directory of this name.
+bool is_of_a_job(const std::string& name) {
+  return name == "runs" || name == "probe" || is_store_name(name);
+}
 
 std::string record_path(const std::string& work_dir) { return work_dir + "/job.json"; }
 
@@ -40,6 +43,14 @@ bool has_tiles(const std::string& path) {
 }
 
 }  // namespace
+
+std::string input_store_in(const std::string& work_dir) { return work_dir + "/input.pss"; }
+
+std::string pass_store_in(const std::string& work_dir, std::string_view pass) {
+  return fmt::format("{}/{}.pss", work_dir, pass);
+}
+
+std::string replaced_store_in(const std::string& work_dir) { return work_dir + "/replaced.pss"; }
 
 Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir) {
   const std::string path = record_path(work_dir);
@@ -82,7 +93,9 @@ Result<WorkDirectory> WorkDirectory::open(const std::string& path) {
 
 /// A link could lead to anybody's directory.
 Result<void> WorkDirectory::check_names() const {
-  for (const char* name : kDirectories) {
+  PSS_ASSIGN(const std::vector<std::string> names, list_directory(path_));
+  for (const std::string& name : names) {
+    if (!is_of_a_job(name)) continue;
     disk::Status status;
     const std::string place = fmt::format("{}/{}", path_, name);
     const disk::Outcome outcome = disk::status(place, disk::Links::kKeep, status);
@@ -104,13 +117,19 @@ Result<void> WorkDirectory::write_record(const JobRecord& record) const {
   return replaced;
 }
 
-bool WorkDirectory::has_results() const {
-  return has_tiles(normals_store()) || has_tiles(result_store());
+std::string WorkDirectory::result_store(const JobRecord& record) const {
+  return record.passes.empty() ? input_store() : pass_store(record.passes.back());
 }
 
-bool WorkDirectory::has_work() const {
-  return has_runs(runs()) || is_store(input_store()) || is_store(normals_store()) ||
-         is_store(result_store());
+bool WorkDirectory::has_results(const JobRecord& record) const {
+  return std::ranges::any_of(record.passes, has_tiles,
+                             [this](const std::string& pass) { return pass_store(pass); });
+}
+
+bool WorkDirectory::has_work(const JobRecord& record) const {
+  return has_runs(runs()) || is_store(input_store()) ||
+         std::ranges::any_of(record.passes, is_store,
+                             [this](const std::string& pass) { return pass_store(pass); });
 }
 
 Result<void> WorkDirectory::probe_rename(const std::string& to) const {
@@ -123,23 +142,27 @@ Result<void> WorkDirectory::probe_rename(const std::string& to) const {
   return renamed;
 }
 
-Result<void> WorkDirectory::remove_results() const {
-  PSS_TRY(remove_store_files(normals_store()));
-  return remove_store_files(result_store());
+Result<void> WorkDirectory::remove_results(const JobRecord& record) const {
+  for (const std::string& pass : record.passes) PSS_TRY(remove_store_files(pass_store(pass)));
+  return {};
 }
 
 Result<void> WorkDirectory::remove_replaced() const { return remove_store_files(replaced_store()); }
 
-Result<void> WorkDirectory::remove_sources() const {
+Result<void> WorkDirectory::remove_sources(const JobRecord& record) const {
+  if (record.passes.empty()) return {};  // the sorted input is the result
   PSS_TRY(remove_runs(runs()));
-  for (const std::string& store : {input_store(), normals_store()})
-    PSS_TRY(remove_store_files(store));
+  PSS_TRY(remove_store_files(input_store()));
+  for (const std::string& pass : record.passes)
+    if (pass != record.passes.back()) PSS_TRY(remove_store_files(pass_store(pass)));
   return {};
 }
 
-Result<void> WorkDirectory::remove_data() const {
-  PSS_TRY(remove_sources());
-  for (const std::string& store : {result_store(), replaced_store(), path_ + "/probe"})
+Result<void> WorkDirectory::remove_data(const JobRecord& record) const {
+  PSS_TRY(remove_runs(runs()));
+  PSS_TRY(remove_store_files(input_store()));
+  PSS_TRY(remove_results(record));
+  for (const std::string& store : {replaced_store(), path_ + "/probe"})
     PSS_TRY(remove_store_files(store));
   return {};
 }
@@ -149,7 +172,7 @@ Result<void> WorkDirectory::clear(JobRecord record) const {
   // cut leaves neither half a store that looks damaged nor data that belongs to no job.
   record.discarding = true;
   PSS_TRY(write_record(record));
-  PSS_TRY(remove_data());
+  PSS_TRY(remove_data(record));
   PSS_TRY(sync_directory(path_));
   PSS_TRY(remove_file(record_path(path_)));
   return sync_directory(path_);

@@ -3,7 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/result.h"
 #include "io/file/output_lock.h"
@@ -17,6 +19,12 @@ namespace pss {
 ///
 /// Errors: kFailed; kBadInput where the record is damaged or of another version.
 Result<void> check_work_directory(const std::string& path);
+
+/// The stores that a job keeps in its work directory: its sorted input, what a pass makes, and one
+/// that had OUTPUT's name, on its way to be removed.
+std::string input_store_in(const std::string& work_dir);
+std::string pass_store_in(const std::string& work_dir, std::string_view pass);
+std::string replaced_store_in(const std::string& work_dir);
 
 /// The record in a work directory, without locking it; empty where there is none.
 Result<std::optional<JobRecord>> read_job_record(const std::string& work_dir);
@@ -35,35 +43,34 @@ class WorkDirectory {
   const std::string& path() const { return path_; }
   bool made() const { return made_; }  ///< by open(): it was not there
   std::string runs() const { return path_ + "/runs"; }
-  std::string input_store() const { return path_ + "/input.pss"; }
-  std::string normals_store() const { return path_ + "/normals.pss"; }
-  std::string result_store() const { return path_ + "/result.pss"; }
-  /// A store that had OUTPUT's name, on its way to be removed.
+  std::string input_store() const { return input_store_in(path_); }
+  std::string pass_store(std::string_view pass) const { return pass_store_in(path_, pass); }
   std::string replaced_store() const { return replaced_store_in(path_); }
-  static std::string replaced_store_in(const std::string& work_dir) {
-    return work_dir + "/replaced.pss";
-  }
+  /// The store of the last pass that the record names; of a job without one the sorted input.
+  std::string result_store(const JobRecord& record) const;
 
   Result<std::optional<JobRecord>> read_record() const { return read_job_record(path_); }
   Result<void> write_record(const JobRecord& record) const;
 
+  // What there is of the job of this record.
+
   /// Whether any points are sorted or computed: work that is worth going on with.
-  bool has_work() const;
+  bool has_work(const JobRecord& record) const;
   /// Whether any tile has come from a pass over the sorted points.
-  bool has_results() const;
+  bool has_results(const JobRecord& record) const;
 
   /// Makes sure that a directory made here can be renamed to `to`, which is free.
   Result<void> probe_rename(const std::string& to) const;
 
   /// Removes what was made from the sorted points.
-  Result<void> remove_results() const;
+  Result<void> remove_results(const JobRecord& record) const;
   /// Removes the store that had OUTPUT's name.
   Result<void> remove_replaced() const;
   /// Removes what a complete result was made from.
-  Result<void> remove_sources() const;
-  /// Removes all that a job keeps here but the record, and nothing else.
-  Result<void> remove_data() const;
-  /// Removes all that a job keeps here, the record last.
+  Result<void> remove_sources(const JobRecord& record) const;
+  /// Removes all that the job keeps here but the record, and nothing else.
+  Result<void> remove_data(const JobRecord& record) const;
+  /// Removes all that the job keeps here, the record last.
   Result<void> clear(JobRecord record) const;
   /// The same, and the directory, where nothing else lies in it.
   static Result<void> remove(WorkDirectory work, const JobRecord& record);

@@ -10,6 +10,7 @@
 #include "core/neighbours.h"
 #include "core/parallel.h"
 #include "core/spares.h"
+#include "core/support.h"
 
 namespace pss {
 namespace {
@@ -45,91 +46,105 @@ Lattice refined_lattice(const Lattice& source, const IndexBox& bounds, double la
   return refined;
 }
 
-Result<ProjectOperator> ProjectOperator::create(const Store& source,
+Result<ProjectOperator> ProjectOperator::create(const Source& source,
                                                 const ProjectParameters& parameters) {
   ProjectOperator op(source, parameters);
-  PSS_TRY(op.choose_columns(source.header().schema));
+  op.choose_normals(source.schema());
+  PSS_TRY(op.choose_columns());
   return op;
 }
 
-ProjectOperator::ProjectOperator(const Store& source, const ProjectParameters& parameters)
+ProjectOperator::ProjectOperator(const Source& source, const ProjectParameters& parameters)
     : parameters_(parameters),
-      source_lattice_(source.header().lattice),
-      source_ordered_(source.header().ordered),
-      exclusion_(Schema()),
-      header_(source.header()) {
+      source_lattice_(source.lattice()),
+      header_(source.header()),
+      neighbourhood_(chosen_neighbourhood()) {
+  header_.schema = source.schema();
   if (!parameters.record.empty()) header_.parameters = parameters.record;
   if (!parameters.only_normals) choose_lattice(source);
 }
 
-void ProjectOperator::choose_lattice(const Store& source) {
+Neighbourhood ProjectOperator::chosen_neighbourhood() const {
+  const Method& method = parameters_.method;
+  const auto reach_of = [weight = method.weight](const Support& support) {
+    return reach(weight, support);
+  };
+  if (!parameters_.nearest) {
+    const auto fixed = Neighbourhood::fixed(reach_of(parameters_.support));
+    return parameters_.buffer ? fixed.narrowed(*parameters_.buffer) : fixed;
+  }
+  const auto reach_at = [reach_of, method, factor = parameters_.factor](double distance) {
+    return reach_of(support_of_radius(factor * distance, method));
+  };
+  const auto nearest = Neighbourhood::nearest({.k = parameters_.nearest,
+                                               .cap = parameters_.cap,
+                                               .first_guess = parameters_.first_guess,
+                                               .reach_at = reach_at});
+  return parameters_.buffer ? nearest.narrowed(*parameters_.buffer) : nearest;
+}
+
+Support ProjectOperator::support_of(const Part& part, std::size_t i) const {
+  if (!parameters_.nearest) return parameters_.support;
+  const double distance = part.kth_distances[i];
+  return distance < 0 ? Support{0, 0} : support_at(distance);
+}
+
+Support ProjectOperator::support_at(double distance) const {
+  return support_of_radius(parameters_.factor * distance, parameters_.method);
+}
+
+std::uint64_t ProjectOperator::scratch_bytes(std::uint64_t ball_points) const {
+  return Projector::bytes_for(ball_points, parameters_.method.op) +
+         QueryBatch::bytes_for(kTaskPoints);
+}
+
+void ProjectOperator::choose_lattice(const Source& source) {
   IndexBox bounds;
   for (const TileInfo& tile : source.tiles()) bounds.add(tile.box);
   // Floating-point input has a fine lattice already.
-  if (header_.grid) header_.lattice = refined_lattice(source_lattice_, bounds, largest_reach());
+  if (header_.grid)
+    header_.lattice = refined_lattice(source_lattice_, bounds, neighbourhood_.largest_reach());
   header_.ordered = false;
   refinement_ = std::llrint(source_lattice_.scale[0] / header_.lattice.scale[0]);
 }
 
-Result<void> ProjectOperator::choose_columns(const Schema& source) {
-  if (needs_normals(parameters_.method.op)) {
-    needs_.normals = NormalColumns::given(source);
-    oriented_ = needs_.normals.has_value();
-    if (!oriented_) {
-      needs_.normals = NormalColumns::computed(source);
-      header_.schema = without_computed_normals(source);
-    }
+void ProjectOperator::choose_normals(const Schema& source) {
+  if (!needs_normals(parameters_.method.op)) return;
+  needs_.normals = NormalColumns::given(source);
+  oriented_ = needs_.normals.has_value();
+  if (oriented_) return;
+  needs_.normals = NormalColumns::computed(source);
+  header_.schema = without_computed_normals(source);
+}
+
+Result<void> ProjectOperator::choose_columns() {
+  if (columns_alone()) {
+    header_.schema = Schema();
+    header_.inputs = {};  // the source that the columns are joined to knows them
+    PSS_ASSIGN(columns_, OutputColumns::add_to(header_.schema, kNormals, kComputedPrefix));
+  } else {
+    PSS_ASSIGN(columns_, OutputColumns::add_to(header_.schema, parameters_.outputs));
+    needs_.kept = columns_.kept();
   }
-  PSS_ASSIGN(columns_, parameters_.only_normals
-                           ? OutputColumns::add_to(header_.schema, kNormals, kComputedPrefix)
-                           : OutputColumns::add_to(header_.schema, parameters_.outputs));
-  needs_.kept = columns_.kept();
   needs_.row_size = header_.schema.row_size();
-  exclusion_ = Exclusion(header_.schema);  // looks at rows that have the outputs already
   return {};
 }
 
-std::vector<ProjectOperator::Chunk> ProjectOperator::chunks_of(const Part& part) {
-  std::vector<Chunk> chunks;
-  std::size_t start = 0;
-  for (std::size_t b = 0; b < part.block_counts.size(); ++b) {
-    const std::size_t end = start + part.block_counts[b];
-    while (start < end) {
-      const std::size_t next = std::min(start + kChunkPoints, end);
-      chunks.push_back({b, start, next - start});
-      start = next;
-    }
-  }
-  return chunks;
-}
-
-/// Ranges of chunks for one worker each: a place is asked for once, so copies of it stay together.
-std::vector<PointRange> ProjectOperator::tasks_of(const Part& part,
-                                                  const std::vector<Chunk>& chunks) {
-  std::vector<PointRange> tasks;
-  for (std::size_t c = 0; c < chunks.size(); ++c) {
-    const std::size_t first = chunks[c].first;
-    if (c == 0 || part.own[first] != part.own[first - 1]) tasks.push_back({c, c});
-    tasks.back().end = c + 1;
-  }
-  return tasks;
-}
-
-/// One note a block, its chunks added up in row order whoever computed them.
+/// One note a block, its slices added up in row order whoever computed them.
 std::vector<std::vector<std::byte>> ProjectOperator::notes_of(
-    const Part& part, const std::vector<Chunk>& chunks,
+    const Part& part, const std::vector<Slice>& slices,
     const std::vector<ProjectStatistics>& statistics) {
   std::vector<ProjectStatistics> blocks(part.block_counts.size());
-  for (std::size_t c = 0; c < chunks.size(); ++c) blocks[chunks[c].block].add(statistics[c]);
+  for (std::size_t c = 0; c < slices.size(); ++c) blocks[slices[c].block].add(statistics[c]);
   std::vector<std::vector<std::byte>> notes;
   for (const ProjectStatistics& block : blocks) notes.push_back(block.to_bytes());
   return notes;
 }
 
-std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& monitor) const {
-  const std::vector<Chunk> chunks = chunks_of(part);
-  const std::vector<PointRange> tasks = tasks_of(part, chunks);
-  std::vector<ProjectStatistics> statistics(chunks.size());
+Rows ProjectOperator::apply(Part& part, Monitor& monitor) const {
+  const std::vector<Slice> slices = slices_of(part);
+  const std::vector<PointRange> tasks = tasks_of(part, slices);
+  std::vector<ProjectStatistics> statistics(slices.size());
   assert(!needs_normals(parameters_.method.op) || part.normals.size() == part.candidates.size());
   if (!part.grid) part.grid.emplace(source_lattice_, part.candidates, kSmallestReach);
   Spares<Worker> workers;
@@ -140,21 +155,23 @@ std::vector<std::vector<std::byte>> ProjectOperator::apply(Part& part, Monitor& 
                                         CloudNormals{part.normals, oriented_});
     const std::size_t last = tasks[end - 1].end;
     for (std::size_t c = tasks[begin].begin; c < last && !monitor.stopping(); ++c) {
-      statistics[c] = project(chunks[c], *worker, part);
-      monitor.advance(chunks[c].count);
+      statistics[c] = project(slices[c], *worker, part);
+      monitor.advance(slices[c].count);
     }
     workers.give(std::move(worker));
   });
-  return notes_of(part, chunks, statistics);
+  Rows rows{{}, std::move(part.rows), notes_of(part, slices, statistics)};
+  if (!columns_alone()) rows.positions = std::move(part.own);
+  return rows;
 }
 
-ProjectStatistics ProjectOperator::project(const Chunk& chunk, Worker& worker, Part& part) const {
+ProjectStatistics ProjectOperator::project(const Slice& slice, Worker& worker, Part& part) const {
   ProjectStatistics statistics;
-  fill(part, chunk.first, chunk.count, worker.batch);
+  fill(part, slice.first, slice.count, worker.batch);
   worker.batch.project(worker.projector);
-  for (std::size_t i = 0; i < chunk.count; ++i) {
+  for (std::size_t i = 0; i < slice.count; ++i) {
     Projection projection = worker.batch.answer(i);
-    place(projection, part, chunk.first + i);
+    place(projection, part, slice.first + i);
     statistics.add(projection);
   }
   return statistics;
@@ -165,9 +182,8 @@ void ProjectOperator::fill(const Part& part, std::size_t first, std::size_t coun
   batch.clear();
   const double width = parameters_.buffer.value_or(std::numeric_limits<double>::infinity());
   for (std::size_t i = first; i < first + count; ++i) {
-    const Support asked = parameters_.nearest ? part.supports[i] : parameters_.support;
-    const Support support = narrowed(asked, parameters_.method.weight, width);
-    if (exclusion_.active() && exclusion_.excludes(&part.rows[i * bytes_per_row()]))
+    const Support support = narrowed(support_of(part, i), parameters_.method.weight, width);
+    if (!part.excluded.empty() && part.excluded[i])
       batch.add(Status::kExcluded);
     else if (support.radius <= 0)
       batch.add(parameters_.nearest ? Status::kIsolated : Status::kTooFew);
@@ -205,11 +221,11 @@ bool ProjectOperator::representable(const Index3& index) const {
   return true;
 }
 
-void ProjectOperator::merge_note(std::vector<std::byte>& tile,
-                                 std::span<const std::byte> block) const {
-  ProjectStatistics sum = ProjectStatistics::from_bytes(tile);
-  sum.add(ProjectStatistics::from_bytes(block));
-  tile = sum.to_bytes();
+void ProjectOperator::merge_note(std::vector<std::byte>& total,
+                                 std::span<const std::byte> next) const {
+  ProjectStatistics sum = ProjectStatistics::from_bytes(total);
+  sum.add(ProjectStatistics::from_bytes(next));
+  total = sum.to_bytes();
 }
 
 }  // namespace pss

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/projector.h"
+#include "stream/operators/part_tasks.h"
 #include "stream/operators/project_statistics.h"
 #include "stream/operators/query_batch.h"
 #include "stream/passes/operator.h"
@@ -22,8 +23,8 @@ struct ProjectParameters {
   double cap = 0;          ///< a k-th nearest farther than this leaves the query isolated
   double first_guess = 0;  ///< a typical distance to the k-th nearest: what is loaded at first
   OutputSet outputs = 0;
-  /// A first pass for operators that need normals: points stay, and their rows get these alone,
-  /// named with kComputedPrefix.
+  /// A first pass for operators that need normals: its rows are these alone, columns to be joined
+  /// to the source, named with kComputedPrefix.
   bool only_normals = false;
   std::optional<Lattice> grid;  ///< the grid of the output file, whose int32 range limits places
   /// Halo width by hand. Where it is less than a support needs, that support is narrowed.
@@ -44,68 +45,42 @@ class ProjectOperator : public Operator {
   /// can tell what parts take, and be applied to none.
   ///
   /// Errors: kUsage where an attribute of the source stands in the way of an output.
-  static Result<ProjectOperator> create(const Store& source, const ProjectParameters& parameters);
+  static Result<ProjectOperator> create(const Source& source, const ProjectParameters& parameters);
 
   const StoreHeader& result_header() const override { return header_; }
-  PartNeeds needs() const override { return needs_; }
-  std::vector<Surround> around(const PartPlan& plan) const override;
-  std::vector<Surround> around(const PartPlan& plan, const Part& part) const override;
-  Preparation prepare(Part& part) const override;
-  std::uint64_t bytes(const PartPlan& plan) const override;
-  std::vector<std::vector<std::byte>> apply(Part& part, Monitor& monitor) const override;
+  bool columns_alone() const override { return parameters_.only_normals; }
+  const PartNeeds& needs() const override { return needs_; }
+  const Neighbourhood& neighbourhood() const override { return neighbourhood_; }
+  std::uint64_t scratch_bytes(std::uint64_t ball_points) const override;
+  Rows apply(Part& part, Monitor& monitor) const override;
   std::uint32_t note_version() const override { return ProjectStatistics::kVersion; }
-  void merge_note(std::vector<std::byte>& tile, std::span<const std::byte> block) const override;
-
-  /// How far the widest query may look.
-  double largest_reach() const;
+  void merge_note(std::vector<std::byte>& total, std::span<const std::byte> next) const override;
 
  private:
-  static constexpr std::size_t kChunkPoints = 1024;  ///< what one task computes
   /// A cell grid wants some width, also where no point looks around.
   static constexpr double kSmallestReach = std::numeric_limits<double>::min();
 
-  /// Consecutive own points of one block.
-  struct Chunk {
-    std::size_t block;
-    std::size_t first;
-    std::size_t count;
-  };
-  /// What a thread computes a chunk with.
+  /// What a thread computes a slice with.
   struct Worker {
     Worker(const CellGrid& grid, const Method& method, const CloudNormals& normals)
         : projector(grid, method, normals) {}
     Projector projector;
     QueryBatch batch;
   };
-  ProjectStatistics project(const Chunk& chunk, Worker& worker, Part& part) const;
-  static std::vector<Chunk> chunks_of(const Part& part);
-  static std::vector<PointRange> tasks_of(const Part& part, const std::vector<Chunk>& chunks);
+  ProjectStatistics project(const Slice& slice, Worker& worker, Part& part) const;
   static std::vector<std::vector<std::byte>> notes_of(
-      const Part& part, const std::vector<Chunk>& chunks,
+      const Part& part, const std::vector<Slice>& slices,
       const std::vector<ProjectStatistics>& statistics);
 
-  ProjectOperator(const Store& source, const ProjectParameters& parameters);
-  void choose_lattice(const Store& source);
-  Result<void> choose_columns(const Schema& source);
-  /// Memory of a candidate, and of the tasks that run at once.
-  std::uint64_t bytes_per_candidate() const;
-  std::uint64_t bytes_for_tasks(const PartPlan& plan) const;
-  /// The points of a ball that a part has room for.
-  static std::uint64_t reserved_ball(const PartPlan& plan);
-  /// How far to load around the part's blocks, where each point owns its support: a guess.
-  double first_reach() const;
-  /// A reach that holds what most points of a group need, from their neighbours in key order.
-  double guessed_reach(std::span<const Index3> own, const PointRange& group) const;
-  double grid_radius(const Part& part) const;
-  double reach_of_own(const Part& part, std::size_t i) const;
-  /// Fills the supports of a part from k-th distances; whether some need more than is loaded.
-  bool find_supports(Part& part) const;
-  void find_supports(Part& part, Surround& group) const;
+  ProjectOperator(const Source& source, const ProjectParameters& parameters);
+  Neighbourhood chosen_neighbourhood() const;
+  void choose_lattice(const Source& source);
+  void choose_normals(const Schema& source);
+  Result<void> choose_columns();
   /// The support of a point whose k-th neighbour lies at `distance`.
   Support support_at(double distance) const;
-  /// How far a query with this support looks, and one with a typical support.
-  double reach_of(const Support& support) const;
-  double usual_reach() const;
+  /// The support of own point i; its radius is 0 where it has none.
+  Support support_of(const Part& part, std::size_t i) const;
   std::size_t bytes_per_row() const { return header_.schema.row_size(); }
   /// Fills the batch with the own points [first, first + count).
   void fill(const Part& part, std::size_t first, std::size_t count, QueryBatch& batch) const;
@@ -117,12 +92,11 @@ class ProjectOperator : public Operator {
 
   ProjectParameters parameters_;
   Lattice source_lattice_;
-  bool source_ordered_;
   std::int64_t refinement_ = 1;
-  Exclusion exclusion_;
   StoreHeader header_;
   OutputColumns columns_;
   PartNeeds needs_;
+  Neighbourhood neighbourhood_;
   bool oriented_ = false;  ///< the normals of the source
 };
 

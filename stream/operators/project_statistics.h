@@ -41,7 +41,7 @@ struct ProjectStatistics {
   std::vector<std::byte> to_bytes() const;
   /// Bytes of another length give empty statistics.
   static ProjectStatistics from_bytes(std::span<const std::byte> bytes);
-  /// Of a tile of `store`. Errors: kBadInput where another version of pss wrote its note.
+  /// Of `store` or a tile of it. Errors: kBadInput where another version of pss wrote its note.
   static Result<ProjectStatistics> from_note(const Note& note, const std::string& store);
 };
 

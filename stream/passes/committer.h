@@ -20,9 +20,10 @@ namespace pss {
 /// A computed part.
 struct FinishedPart {
   Cell cell;
+  std::size_t tile = 0;  ///< of the source
   bool last_of_tile = false;
-  Part part;
-  std::vector<std::vector<std::byte>> notes;  ///< one a block
+  Rows rows;
+  Reservation memory;
 };
 
 /// What committing took, in seconds.
@@ -32,7 +33,7 @@ struct CommitTimes {
 };
 
 /// Compresses parts, appends them to a store in the order given, and commits each tile with its
-/// last part.
+/// last part. A tile's rows are cut into blocks of kBlockPoints, however they came in parts.
 ///
 /// Destroyed before everything is drained, it still writes what is queued: finished tiles count.
 class Committer {
@@ -55,7 +56,11 @@ class Committer {
   void run();
   Result<void> commit(FinishedPart& part);
   Result<void> write(FinishedPart& part, const std::vector<EncodedBlock>& blocks);
-  std::vector<EncodedBlock> encode(const Part& part) const;
+  Rows with_waiting(Rows rows);
+  std::vector<EncodedBlock> encode(const Rows& rows, std::size_t count) const;
+  EncodedBlock encode(const Rows& rows, std::size_t first, std::size_t count) const;
+  std::size_t count_of(const Rows& rows) const;
+  Rows rows_from(const Rows& rows, std::size_t first) const;
   Result<void> failure_locked() const;
 
   StoreWriter& writer_;
@@ -64,6 +69,8 @@ class Committer {
   CommitTimes times_;
   Clock::time_point last_sync_ = Clock::now();
   std::vector<std::byte> note_;  ///< of the tile that is being written
+  Rows waiting_;                 ///< of that tile, too few for a block
+  Reservation waiting_memory_;   ///< for these
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<FinishedPart> queue_;

@@ -70,18 +70,4 @@ Result<void> Exclusion::mark(const Store& store, const TileInfo& tile, const Blo
   return {};
 }
 
-Result<void> Exclusion::read_kept(const Store& store, const TileInfo& tile, const BlockInfo& block,
-                                  std::vector<Index3>& positions) const {
-  positions.resize(block.count);
-  PSS_TRY(store.read_positions(tile, block, positions));
-  if (!active()) return {};
-  std::vector<std::uint8_t> excluded(block.count);
-  PSS_TRY(mark(store, tile, block, excluded));
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    if (!excluded[i]) positions[kept++] = positions[i];
-  positions.resize(kept);
-  return {};
-}
-
 }  // namespace pss

@@ -31,10 +31,6 @@ class Exclusion {
   Result<void> mark(const Store& store, const TileInfo& tile, const BlockInfo& block,
                     std::span<std::uint8_t> excluded) const;
 
-  /// Reads the positions of a block without its excluded points, in row order.
-  Result<void> read_kept(const Store& store, const TileInfo& tile, const BlockInfo& block,
-                         std::vector<Index3>& positions) const;
-
  private:
   struct Test {
     std::size_t field;    ///< the field that holds the value

@@ -63,16 +63,16 @@ std::optional<NormalColumns> NormalColumns::computed(const Schema& schema) {
   return find(schema, computed_names());
 }
 
-Result<void> NormalColumns::read(const Store& store, const TileInfo& tile, const BlockInfo& block,
+Result<void> NormalColumns::read(const Source& source, std::size_t tile, const BlockInfo& block,
                                  std::span<Normal> out) const {
   assert(out.size() == block.count);
   std::vector<World3> components(block.count);
   std::vector<std::byte> values;
   for (std::size_t a = 0; a < 3; ++a) {
-    const Field& field = store.header().schema.fields()[fields_[a]];
+    const Field& field = source.schema().fields()[fields_[a]];
     const Dimension dimension = as_dimension(field);
     values.resize(block.count * field.size());
-    PSS_TRY(store.read_field(tile, block, fields_[a], values));
+    PSS_TRY(source.read_field(tile, block, fields_[a], values));
     for (std::size_t i = 0; i < block.count; ++i)
       components[i][a] = read_value(dimension, &values[i * field.size()]);
   }

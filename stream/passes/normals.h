@@ -1,5 +1,5 @@
 #pragma once
-// The normals of a store's points: which columns hold them, and how they are read.
+// The normals of a source's points: which columns hold them, and how they are read.
 
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 #include "core/projector.h"
 #include "core/result.h"
-#include "stream/store/store.h"
+#include "stream/passes/source.h"
 
 namespace pss {
 
@@ -28,7 +28,7 @@ enum class NormalsFrom : std::uint8_t {
 const char* name_of(NormalsFrom from);
 NormalsFrom normals_named(std::string_view name);
 
-/// Three columns of a store.
+/// Three columns of a source.
 class NormalColumns {
  public:
   /// NormalX NormalY NormalZ, or nx ny nz as PLY files have them: all of floating point or scaled.
@@ -40,7 +40,7 @@ class NormalColumns {
   ///
   /// Shape: `out` has block.count elements.
   /// Cost:  decodes these three columns alone.
-  Result<void> read(const Store& store, const TileInfo& tile, const BlockInfo& block,
+  Result<void> read(const Source& source, std::size_t tile, const BlockInfo& block,
                     std::span<Normal> out) const;
 
  private:

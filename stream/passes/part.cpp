@@ -1,22 +1,15 @@
 #include "stream/passes/part.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
-#include <functional>
 #include <numeric>
 
 #include "core/morton.h"
-#include "core/parallel.h"
+#include "stream/passes/each_block.h"
 
 namespace pss {
 namespace {
-
-std::vector<IndexBox> tile_boxes(const Store& store) {
-  std::vector<IndexBox> boxes;
-  boxes.reserve(store.tiles().size());
-  for (const TileInfo& tile : store.tiles()) boxes.push_back(tile.box);
-  return boxes;
-}
 
 bool before(const Index3& a, const Index3& b) { return encode_key(a) < encode_key(b); }
 
@@ -71,8 +64,7 @@ bool contains(const IndexBox& outer, const IndexBox& inner) {
 /// Decides which points of one block some surround reaches.
 class Wanted {
  public:
-  Wanted(const Lattice& lattice, const PartPlan& plan, const BlockRef& near)
-      : lattice_(lattice), plan_(plan), near_(near) {
+  Wanted(const PartPlan& plan, const BlockRef& near) : plan_(plan), near_(near) {
     for (const std::uint32_t s : near.around) all_ |= contains(plan.around[s].box, near.block.box);
   }
 
@@ -80,9 +72,9 @@ class Wanted {
     if (all_) return true;
     const IndexBox box{p, p};
     // Consecutive points are mostly wanted by the same one.
-    if (last_ && reaches(lattice_, *last_, box)) return true;
+    if (last_ && reaches(plan_.lattice, *last_, box)) return true;
     for (const std::uint32_t s : near_.around) {
-      if (!reaches(lattice_, plan_.around[s], box)) continue;
+      if (!reaches(plan_.lattice, plan_.around[s], box)) continue;
       last_ = &plan_.around[s];
       return true;
     }
@@ -90,25 +82,11 @@ class Wanted {
   }
 
  private:
-  const Lattice& lattice_;
   const PartPlan& plan_;
   const BlockRef& near_;
   const Surround* last_ = nullptr;
   bool all_ = false;
 };
-
-/// Calls read(b) for every block by all threads; the first error in their order.
-Result<void> for_each_block(std::size_t count,
-                            const std::function<Result<void>(std::size_t)>& read) {
-  std::vector<std::optional<Error>> errors(count);
-  parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b)
-      if (Result<void> done = read(b); !done) errors[b] = std::move(done).error();
-  });
-  for (std::optional<Error>& error : errors)
-    if (error) return *std::move(error);
-  return {};
-}
 
 template <class T>
 void close_gaps(std::vector<T>& values, std::span<const PointRange> ranges) {
@@ -129,11 +107,10 @@ void close_gaps(Part& part, std::span<const PointRange> ranges) {
 
 }  // namespace
 
-PartLoader::PartLoader(const Store& source, const PartNeeds& needs)
-    : source_(source),
-      needs_(needs),
-      exclusion_(source.header().schema),
-      tiles_(tile_boxes(source)) {}
+PartLoader::PartLoader(const PassSources& sources, const PartNeeds& needs)
+    : sources_(sources), needs_(needs), tiles_(BoxTree::of(sources.neighbours.tiles())) {
+  assert(sources.queries.lattice() == sources.neighbours.lattice());
+}
 
 void Part::drop_candidates() {
   grid.reset();
@@ -142,18 +119,12 @@ void Part::drop_candidates() {
   halo = 0;
 }
 
-void Part::drop_surroundings() {
-  const std::uint64_t counted = halo;
-  drop_candidates();
-  halo = counted;
-  around = {};
-  supports = {};
-}
-
 Result<PartPlan> PartLoader::plan(const PartRange& range) const {
   PartPlan plan;
   plan.range = range;
-  PSS_ASSIGN(const std::vector<BlockInfo> index, source_.read_index(range.tile));
+  plan.lattice = neighbours().lattice();
+  plan.ordered = neighbours().header().ordered;
+  PSS_ASSIGN(const std::vector<BlockInfo> index, queries().read_index(range.tile));
   for (std::size_t b = 0; b < range.block_count; ++b) {
     plan.own.push_back(index[range.first_block + b]);
     plan.own_points += plan.own.back().count;
@@ -168,7 +139,7 @@ std::vector<std::vector<std::uint32_t>> PartLoader::surrounds_by_tile(
   std::vector<std::pair<std::size_t, std::uint32_t>> pairs;
   for (std::uint32_t s = 0; s < around.size(); ++s)
     for (const std::size_t tile :
-         tiles_.within(source_.header().lattice, around[s].box, around[s].reach * kRoomForRounding))
+         tiles_.within(neighbours().lattice(), around[s].box, around[s].reach * kRoomForRounding))
       pairs.emplace_back(tile, s);
   std::ranges::sort(pairs);
   std::vector<std::vector<std::uint32_t>> surrounds;
@@ -183,18 +154,17 @@ std::vector<std::vector<std::uint32_t>> PartLoader::surrounds_by_tile(
 }
 
 Result<void> PartLoader::plan_near(PartPlan& plan, std::uint64_t most_points) const {
-  const Lattice& lattice = source_.header().lattice;
   plan.near.clear();
   plan.near_points = plan.measured_ball = 0;
   std::vector<std::uint64_t> balls(plan.around.size(), 0);
   std::vector<std::size_t> tiles;
   const auto surrounds = surrounds_by_tile(plan.around, tiles);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    PSS_ASSIGN(std::vector<BlockInfo> blocks, source_.read_index(tiles[t]));
+    PSS_ASSIGN(std::vector<BlockInfo> blocks, neighbours().read_index(tiles[t]));
     for (BlockInfo& block : blocks) {
       BlockRef near{tiles[t], {}, {}};
       for (const std::uint32_t s : surrounds[t]) {
-        if (!reaches(lattice, plan.around[s], block.box)) continue;
+        if (!reaches(plan.lattice, plan.around[s], block.box)) continue;
         near.around.push_back(s);
         balls[s] += block.count;
       }
@@ -211,22 +181,28 @@ Result<void> PartLoader::plan_near(PartPlan& plan, std::uint64_t most_points) co
 Result<Part> PartLoader::load_own(const PartPlan& plan) const {
   Part part;
   part.range = plan.range;
-  const TileInfo& tile = source_.tiles()[plan.range.tile];
+  const TileInfo& tile = queries().tiles()[plan.range.tile];
   part.first_row = plan.own.empty() ? tile.first_row : plan.own.front().first_row;
   part.own.resize(plan.own_points);
   part.rows.resize(plan.own_points * needs_.row_size);
+  if (queries().excludes_some()) part.excluded.resize(plan.own_points);
   for (const BlockInfo& block : plan.own) part.block_counts.push_back(block.count);
-  PSS_TRY(for_each_block(plan.own.size(),
-                         [&](std::size_t b) { return read_own(tile, plan.own[b], part); }));
+  PSS_TRY(
+      for_each_block(plan.own.size(), [&](std::size_t b) { return read_own(plan.own[b], part); }));
   return part;
 }
 
-Result<void> PartLoader::read_own(const TileInfo& tile, const BlockInfo& block, Part& part) const {
-  const std::size_t source_size = source_.header().schema.row_size();
+Result<void> PartLoader::read_own(const BlockInfo& block, Part& part) const {
+  const std::size_t tile = part.range.tile;
+  const std::size_t source_size = queries().schema().row_size();
   const std::size_t first = block.first_row - part.first_row;
-  PSS_TRY(source_.read_positions(tile, block, std::span(part.own).subspan(first, block.count)));
+  PSS_TRY(queries().read_positions(tile, block, std::span(part.own).subspan(first, block.count)));
+  if (!part.excluded.empty())
+    PSS_TRY(
+        queries().mark_excluded(tile, block, std::span(part.excluded).subspan(first, block.count)));
+  if (needs_.kept.empty()) return {};
   std::vector<std::byte> rows(block.count * source_size);
-  PSS_TRY(source_.read_rows(tile, block, rows));
+  PSS_TRY(queries().read_rows(tile, block, rows));
   for (const KeptBytes& kept : needs_.kept)
     for (std::size_t i = 0; i < block.count; ++i)
       std::memcpy(&part.rows[(first + i) * needs_.row_size + kept.to],
@@ -234,20 +210,32 @@ Result<void> PartLoader::read_own(const TileInfo& tile, const BlockInfo& block, 
   return {};
 }
 
+/// Whether a near block is one of the part's own.
+bool PartLoader::is_own(const BlockRef& near, const Part& part) const {
+  return sources_.same() && near.block.first_row >= part.first_row &&
+         near.block.first_row - part.first_row < part.own.size();
+}
+
+/// Takes a near block from the part's own points, where it has been read already.
+void PartLoader::copy_own(const Part& part, const BlockInfo& block, NearBlock& near) {
+  const std::size_t first = block.first_row - part.first_row;
+  std::ranges::copy(std::span(part.own).subspan(first, block.count), near.positions.begin());
+  if (part.excluded.empty()) return;
+  std::ranges::copy(std::span(part.excluded).subspan(first, block.count), near.excluded.begin());
+}
+
 Result<void> PartLoader::read_near(const BlockRef& near, const Part& part, NearBlock& block) const {
-  const TileInfo& tile = source_.tiles()[near.tile];
   block.positions.resize(near.block.count);
   block.excluded.assign(near.block.count, 0);
-  const std::uint64_t first = near.block.first_row - part.first_row;
-  if (near.block.first_row >= part.first_row && first < part.own.size())
-    std::copy_n(part.own.begin() + static_cast<std::ptrdiff_t>(first), near.block.count,
-                block.positions.begin());
+  if (is_own(near, part))
+    copy_own(part, near.block, block);
   else
-    PSS_TRY(source_.read_positions(tile, near.block, block.positions));
-  if (exclusion_.active()) PSS_TRY(exclusion_.mark(source_, tile, near.block, block.excluded));
+    PSS_TRY(neighbours().read_positions(near.tile, near.block, block.positions));
+  if (neighbours().excludes_some() && !is_own(near, part))
+    PSS_TRY(neighbours().mark_excluded(near.tile, near.block, block.excluded));
   if (!needs_.normals) return {};
   block.normals.resize(near.block.count);
-  return needs_.normals->read(source_, tile, near.block, block.normals);
+  return needs_.normals->read(neighbours(), near.tile, near.block, block.normals);
 }
 
 Result<void> PartLoader::load_near(const PartPlan& plan, Part& part) const {
@@ -267,12 +255,9 @@ Result<void> PartLoader::load_near(const PartPlan& plan, Part& part) const {
                          [&](std::size_t b) { return load_block(plan, b, ranges[b], part); }));
   close_gaps(part, ranges);
   part.halo = part.candidates.size();
-  for (std::size_t b = 0; b < ranges.size(); ++b) {
-    const std::uint64_t row = plan.near[b].block.first_row;
-    if (row >= part.first_row && row < part.first_row + plan.own_points)
-      part.halo -= ranges[b].end - ranges[b].begin;
-  }
-  if (!source_.header().ordered) sort_by_key(part.candidates, part.normals);
+  for (std::size_t b = 0; b < ranges.size(); ++b)
+    if (is_own(plan.near[b], part)) part.halo -= ranges[b].end - ranges[b].begin;
+  if (!plan.ordered) sort_by_key(part.candidates, part.normals);
   return {};
 }
 
@@ -281,7 +266,7 @@ Result<void> PartLoader::load_block(const PartPlan& plan, std::size_t number, Po
   const BlockRef& near = plan.near[number];
   NearBlock block;
   PSS_TRY(read_near(near, part, block));
-  Wanted wanted(source_.header().lattice, plan, near);
+  Wanted wanted(plan, near);
   for (std::size_t i = 0; i < block.positions.size(); ++i) {
     if (block.excluded[i] || !wanted(block.positions[i])) continue;
     part.candidates[range.end] = block.positions[i];

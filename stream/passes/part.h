@@ -8,20 +8,34 @@
 
 #include "core/lattice.h"
 #include "core/neighbours.h"
-#include "core/projection.h"
 #include "core/result.h"
 #include "stream/limit/memory.h"
 #include "stream/passes/box_tree.h"
-#include "stream/passes/exclusion.h"
 #include "stream/passes/normals.h"
 #include "stream/passes/outputs.h"
-#include "stream/store/store.h"
+#include "stream/passes/source.h"
 
 namespace pss {
 
-/// What an operator wants of its source in a part.
+/// What a pass reads: the points that are asked about, and those around them, which may be others.
+///
+/// Both have one lattice; the sources outlive it.
+struct PassSources {
+  PassSources(const Source& source)  // NOLINT(google-explicit-constructor): mostly one is both
+      : PassSources(source, source) {}
+  PassSources(const Source& asked, const Source& around) : queries(asked), neighbours(around) {}
+
+  bool same() const { return &queries == &neighbours; }
+
+  const Source& queries;
+  const Source& neighbours;
+  /// The numbers of the queries' tiles that the pass is over, ascending; all where there is none.
+  std::optional<std::vector<std::size_t>> tiles;
+};
+
+/// What an operator wants of its sources in a part.
 struct PartNeeds {
-  std::size_t row_size = 0;              ///< of a result row
+  std::size_t row_size = 0;              ///< of a row of the part
   std::vector<KeptBytes> kept;           ///< what it takes over of the source's row
   std::optional<NormalColumns> normals;  ///< of the candidates
 };
@@ -41,7 +55,7 @@ struct Surround {
   bool certain = false;  ///< for an operator: all that they need has been found
 };
 
-/// A block of the source that a part needs.
+/// A block of the neighbours' source that a part needs.
 struct BlockRef {
   std::size_t tile = 0;
   BlockInfo block;
@@ -51,6 +65,8 @@ struct BlockRef {
 /// What loading a part will read, known from the block indexes alone.
 struct PartPlan {
   PartRange range;
+  Lattice lattice;             ///< of the positions
+  bool ordered = true;         ///< candidates come in key order
   IndexBox box;                ///< of the part's own points
   std::vector<BlockInfo> own;  ///< in row order
   std::uint64_t own_points = 0;
@@ -67,29 +83,31 @@ struct Part {
   std::uint64_t first_row = 0;
   std::vector<std::uint32_t> block_counts;  ///< points of each own block
   std::vector<Index3> own;                  ///< own positions in row order
-  std::vector<std::byte> rows;  ///< result rows, at first with what is kept of the point's own
+  std::vector<std::byte> rows;              ///< with what is kept of each point's own row
+  std::vector<std::uint8_t> excluded;  ///< 1 for own points that are no neighbours; empty: none is
   std::vector<Surround> around;
   std::vector<Index3> candidates;  ///< all points within reach that may be neighbours, by key
   std::vector<Normal> normals;     ///< of the candidates, where the operator wants them
   std::uint64_t halo = 0;          ///< candidates that are not the part's own
   std::uint64_t ball_points = 0;   ///< at most so many within reach of one point: what is reserved
-  std::optional<CellGrid> grid;    ///< over the candidates, where an operator made one
-  std::vector<Support> supports;   ///< an operator's widths of each own point, where they differ
+  std::optional<CellGrid> grid;    ///< over the candidates, where points look around
+  /// From each own point to its k-th nearest position, where the operator wants to know; below 0
+  /// where there are fewer within the cap.
+  std::vector<double> kth_distances;
   Reservation memory;
 
   void drop_candidates();
-  /// Lets go of all but the own points and their rows.
-  void drop_surroundings();
 };
 
-/// Plans and loads the parts of one source.
+/// Plans and loads the parts of a pass.
 ///
 /// Thread: const members from any number at once.
 class PartLoader {
  public:
-  PartLoader(const Store& source, const PartNeeds& needs);
+  PartLoader(const PassSources& sources, const PartNeeds& needs);
 
-  const Store& source() const { return source_; }
+  const Source& queries() const { return sources_.queries; }
+  const Source& neighbours() const { return sources_.neighbours; }
 
   /// The own blocks alone.
   Result<PartPlan> plan(const PartRange& range) const;
@@ -113,16 +131,17 @@ class PartLoader {
   };
   std::vector<std::vector<std::uint32_t>> surrounds_by_tile(const std::vector<Surround>& around,
                                                             std::vector<std::size_t>& tiles) const;
-  Result<void> read_own(const TileInfo& tile, const BlockInfo& block, Part& part) const;
+  Result<void> read_own(const BlockInfo& block, Part& part) const;
+  bool is_own(const BlockRef& near, const Part& part) const;
+  static void copy_own(const Part& part, const BlockInfo& block, NearBlock& near);
   /// Writes what is wanted of a near block to the candidates from range.begin on; moves range.end.
   Result<void> load_block(const PartPlan& plan, std::size_t number, PointRange& range,
                           Part& part) const;
   Result<void> read_near(const BlockRef& near, const Part& part, NearBlock& block) const;
 
-  const Store& source_;
+  PassSources sources_;
   PartNeeds needs_;
-  Exclusion exclusion_;
-  BoxTree tiles_;
+  BoxTree tiles_;  ///< of the neighbours
 };
 
 }  // namespace pss

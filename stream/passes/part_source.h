@@ -1,5 +1,5 @@
 #pragma once
-// Parts of a store in order, loaded and prepared as the memory limit lets them.
+// Parts of a source in order, loaded and prepared as the memory limit lets them.
 
 #include <cstdint>
 #include <functional>
@@ -17,16 +17,18 @@ namespace pss {
 /// What remains to be done, in order: whole tiles, or parts of one that was cut.
 class PartQueue {
  public:
-  PartQueue(std::size_t first_tile, std::span<const TileInfo> tiles)
-      : next_tile_(first_tile), tiles_(tiles) {}
+  /// The tiles of a pass from number `first_tile` on.
+  PartQueue(const PassSources& sources, std::size_t first_tile);
 
   std::optional<PartRange> pop();
   void push_halves(const PartRange& range);
 
  private:
-  std::size_t next_tile_;
+  std::optional<std::size_t> next_tile() const;
   std::span<const TileInfo> tiles_;
-  std::vector<PartRange> cut_;  ///< the last is the next
+  const std::vector<std::size_t>* only_;  ///< null: all
+  std::size_t next_;                      ///< a tile's number, or its place in only_
+  std::vector<PartRange> cut_;            ///< the last is the next
 };
 
 /// What parts may take of the memory limit: what is free before the first is loaded.
@@ -53,7 +55,7 @@ using TakeMemory = std::function<bool(Reservation& memory, std::uint64_t bytes)>
 /// Thread: one.
 class PartSource {
  public:
-  PartSource(const Store& source, const Operator& op, const MemoryBudget& budget,
+  PartSource(const PassSources& sources, const Operator& op, const MemoryBudget& budget,
              std::size_t first_tile, TakeMemory take_memory);
 
   /// The next part that fits, cutting tiles that do not; empty at the end.

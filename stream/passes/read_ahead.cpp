@@ -14,11 +14,11 @@ constexpr std::chrono::milliseconds kLook{100};
 
 }  // namespace
 
-ReadAhead::ReadAhead(const Store& source, const Operator& op, MemoryBudget& budget,
+ReadAhead::ReadAhead(const PassSources& sources, const Operator& op, MemoryBudget& budget,
                      const Monitor& monitor, std::size_t first_tile)
     : budget_(budget),
       monitor_(monitor),
-      source_(source, op, budget, first_tile,
+      source_(sources, op, budget, first_tile,
               [this](Reservation& memory, std::uint64_t bytes) { return take(memory, bytes); }),
       thread_([this] { run(); }) {}
 

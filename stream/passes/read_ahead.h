@@ -27,8 +27,8 @@ struct ReadTimes {
 /// Some parts ahead, as far as the memory limit lets it.
 class ReadAhead {
  public:
-  ReadAhead(const Store& source, const Operator& op, MemoryBudget& budget, const Monitor& monitor,
-            std::size_t first_tile);
+  ReadAhead(const PassSources& sources, const Operator& op, MemoryBudget& budget,
+            const Monitor& monitor, std::size_t first_tile);
   ~ReadAhead();
   ReadAhead(const ReadAhead&) = delete;
   ReadAhead& operator=(const ReadAhead&) = delete;

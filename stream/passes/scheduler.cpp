@@ -6,6 +6,7 @@
 
 #include "stream/limit/stopwatch.h"
 #include "stream/passes/committer.h"
+#include "stream/passes/part_needs.h"
 #include "stream/passes/part_source.h"
 #include "stream/passes/read_ahead.h"
 
@@ -14,12 +15,12 @@ namespace {
 
 class Pipeline {
  public:
-  Pipeline(const Store& source, const Operator& op, StoreWriter& result, MemoryBudget& budget,
-           Monitor& monitor)
-      : source_(source),
+  Pipeline(const PassSources& sources, const Operator& op, StoreWriter& result,
+           MemoryBudget& budget, Monitor& monitor)
+      : source_(sources.queries),
         op_(op),
         monitor_(monitor),
-        reader_(source, op, budget, monitor, result.next_source()),
+        reader_(sources, op, budget, monitor, result.next_source()),
         committer_(result, op, [this](bool done) { memory_came_back(done); }) {}
 
   Result<ScheduleSummary> run() {
@@ -45,24 +46,26 @@ class Pipeline {
   Result<void> compute(Part part) {
     const Stopwatch watch;
     FinishedPart finished;
-    if (!part.own.empty()) finished.notes = op_.apply(part, monitor_);
+    const std::size_t points = part.own.size();  // which the operator may take over
+    if (points > 0) finished.rows = op_.apply(part, monitor_);
     if (monitor_.stopping()) return Error{Fault::kInterrupted, "interrupted"};
-    part.drop_surroundings();
-    count(part, finished);
-    finished.part = std::move(part);
+    const TileInfo& tile = source_.tiles()[part.range.tile];
+    finished.cell = tile.cell;
+    finished.tile = part.range.tile;
+    finished.last_of_tile = part.range.first_block + part.range.block_count == tile.blocks;
+    count(points, part.halo, finished.last_of_tile);
+    finished.memory = std::move(part.memory);
+    part = {};
     summary_.compute_seconds += watch.seconds();
     return committer_.push(std::move(finished));
   }
 
-  void count(const Part& part, FinishedPart& finished) {
-    const TileInfo& tile = source_.tiles()[part.range.tile];
-    finished.cell = tile.cell;
-    finished.last_of_tile = part.range.first_block + part.range.block_count == tile.blocks;
+  void count(std::size_t points, std::uint64_t halo, bool last_of_tile) {
     ++summary_.parts;
-    summary_.tiles += finished.last_of_tile ? 1 : 0;
-    summary_.own_points += part.own.size();
-    summary_.halo_points += part.halo;
-    monitor_.advance(0, finished.last_of_tile ? 1 : 0);
+    summary_.tiles += last_of_tile ? 1 : 0;
+    summary_.own_points += points;
+    summary_.halo_points += halo;
+    monitor_.advance(0, last_of_tile ? 1 : 0);
   }
 
   ScheduleSummary summary() const {
@@ -79,7 +82,7 @@ class Pipeline {
     return summary;
   }
 
-  const Store& source_;
+  const Source& source_;
   const Operator& op_;
   Monitor& monitor_;
   ScheduleSummary summary_;
@@ -89,27 +92,37 @@ class Pipeline {
 
 }  // namespace
 
-Result<ScheduleSummary> run_operator(const Store& source, const Operator& op, StoreWriter& result,
-                                     MemoryBudget& budget, Monitor& monitor) {
+Result<ScheduleSummary> run_operator(const PassSources& sources, const Operator& op,
+                                     StoreWriter& result, MemoryBudget& budget, Monitor& monitor) {
   const Stopwatch watch;
   const std::uint64_t resumed = result.tiles().size();
-  PSS_ASSIGN(ScheduleSummary summary, Pipeline(source, op, result, budget, monitor).run());
+  PSS_ASSIGN(ScheduleSummary summary, Pipeline(sources, op, result, budget, monitor).run());
   summary.resumed_tiles = resumed;
   summary.seconds = watch.seconds();
   return summary;
 }
 
-Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& op,
+Result<Note> merged_notes(const Operator& op, std::span<const TileInfo> tiles,
+                          const std::string& store) {
+  Note total{op.note_version(), {}};
+  for (const TileInfo& tile : tiles) {
+    PSS_ASSIGN(const std::span<const std::byte> bytes, bytes_of(tile.note, total.version, store));
+    if (!bytes.empty()) op.merge_note(total.bytes, bytes);
+  }
+  return total;
+}
+
+Result<ScheduleEstimate> estimate_operator(const PassSources& sources, const Operator& op,
                                            MemoryBudget& budget) {
-  const PartLoader loader(source, op.needs());
+  const PartLoader loader(sources, op.needs());
   const Room room(budget);
-  PartQueue queue(0, source.tiles());
+  PartQueue queue(sources, 0);
   ScheduleEstimate estimate;
-  estimate.tiles = source.tiles().size();
+  estimate.tiles = sources.tiles ? sources.tiles->size() : sources.queries.tiles().size();
   std::uint64_t largest = 0;
   while (const std::optional<PartRange> range = queue.pop()) {
     PSS_ASSIGN(PartPlan plan, loader.plan(*range));
-    plan.around = op.around(plan);
+    plan.around = op.neighbourhood().around(plan);
     PSS_TRY(loader.plan_near(plan, most_candidates(room)));
     PSS_ASSIGN(const bool whole, fits(loader, op, plan, room));
     if (!whole) {
@@ -119,7 +132,7 @@ Result<ScheduleEstimate> estimate_operator(const Store& source, const Operator& 
     ++estimate.parts;
     estimate.own_points += plan.own_points;
     estimate.halo_points += plan.near_points - std::min(plan.near_points, plan.own_points);
-    largest = std::max(largest, op.bytes(plan));
+    largest = std::max(largest, part_bytes(op, plan));
   }
   estimate.peak_bytes = 2 * largest;
   return estimate;

@@ -11,7 +11,7 @@
 
 namespace pss {
 
-/// Of the grids of LAS files: the finest scale, the least offset. One grid alone is kept.
+/// Of the grids of files: the finest scale, the least offset. One grid alone is kept.
 ///
 /// Shape: at least one grid.
 Lattice common_grid(std::span<const Lattice> grids);

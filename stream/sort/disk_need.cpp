@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/parallel.h"
 #include "io/file/file.h"
 #include "stream/sort/chunk.h"
 #include "stream/sort/encode_blocks.h"
@@ -21,6 +22,9 @@ constexpr std::uint64_t kSamplePoints = 1 << 18;
 constexpr std::uint64_t kLongWindows = 16;
 constexpr std::uint64_t kShortWindows = 4096;
 constexpr std::size_t kBatchPoints = 1024;
+/// Where records are decoded together, a window decodes all of them for the few that it takes:
+/// there are no more windows than decode so many.
+constexpr std::uint64_t kMostDecoded = 1 << 21;
 /// A sample is a sample.
 constexpr double kMargin = 1.05;
 
@@ -37,17 +41,23 @@ Cursor cursor_at(const IngestPlan& plan, std::uint64_t record) {
   return cursor;
 }
 
+/// A window reads one or two of units that are larger than it: more at once would gain nothing.
+Batches batches_of(std::size_t unit) {
+  return {std::max(kBatchPoints, unit), unit > kBatchPoints ? 1 : slots_in_order()};
+}
+
 /// Fills `chunk` from windows of consecutive records, evenly spread over all inputs.
 Result<void> read_windows(const IngestPlan& plan, bool source_column, std::uint64_t most,
                           Chunk& chunk, const Monitor& monitor) {
   InputStream in(plan, source_column, {}, {});
-  const std::uint64_t windows = std::min<std::uint64_t>(most, chunk.room());
+  const std::uint64_t affordable = std::max<std::uint64_t>(1, kMostDecoded / plan.unit);
+  const std::uint64_t windows = std::min<std::uint64_t>({most, chunk.room(), affordable});
   const std::uint64_t window = windows > 0 ? chunk.room() / windows : 0;
   for (std::uint64_t w = 0; w < windows; ++w) {
     PSS_TRY(in.seek(cursor_at(plan, plan.points * w / windows)));
     const std::size_t full = std::min(chunk.size() + window, chunk.capacity());
     while (chunk.size() < full && !in.ended())
-      PSS_TRY(in.read(full - chunk.size(), kBatchPoints, chunk, monitor));
+      PSS_TRY(in.read(full - chunk.size(), batches_of(plan.unit), chunk, monitor));
   }
   return {};
 }

@@ -9,7 +9,6 @@
 
 #include "io/file/file.h"
 #include "io/file/fingerprint.h"
-#include "io/watched_reader.h"
 #include "stream/limit/stopwatch.h"
 #include "stream/sort/chunk.h"
 #include "stream/sort/disk_need.h"
@@ -66,7 +65,7 @@ class Ingest {
     }
     PSS_ASSIGN(RunLog log, RunLog::open(runs_folder(work_dir_), plan_.header));
     log_ = std::move(log);
-    PSS_ASSIGN(memory_, divide_memory(plan_.header, plan_.points, budget_));
+    PSS_ASSIGN(memory_, divide_memory(plan_.header, plan_.points, plan_.unit, budget_));
     PSS_TRY(check_heads());
     PSS_TRY(check_room());
     PSS_TRY(read_inputs());
@@ -153,9 +152,10 @@ class Ingest {
   }
 
   Result<void> fill(InputStream& in, Chunk& chunk) {
-    while (!in.ended() && chunk.room() >= memory_.batch_points) {
+    while (!in.ended() && chunk.room() >= memory_.batches.points) {
       const std::uint64_t before = in.summary().points_read;
-      PSS_TRY(in.read(std::min(chunk.room(), kReadAtOnce), memory_.batch_points, chunk, monitor_));
+      const std::size_t most = std::max(kReadAtOnce, memory_.batches.points);
+      PSS_TRY(in.read(std::min(chunk.room(), most), memory_.batches, chunk, monitor_));
       monitor_.advance(in.summary().points_read - before);
     }
     return {};
@@ -323,9 +323,9 @@ class Ingest {
 
   Result<void> write_input(std::size_t number, InputTableWriter& table) const {
     const InputRecord& record = plan_.inputs[number];
-    PSS_ASSIGN(const auto reader, open_watched(record, HeadBytes::kKept, plan_.counts[number]));
+    PSS_ASSIGN(const auto reader, plan_.open(record, HeadBytes::kKept, plan_.counts[number]));
     const CloudHeader& header = reader->header();
-    return table.add({record, format_name(header.format), header.grid, counts_[number]}, header.crs,
+    return table.add({record, header.format, header.grid, counts_[number]}, header.crs,
                      header.carry);
   }
 

@@ -8,6 +8,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/points/reader.h"
+#include "io/watched_reader.h"
 #include "stream/limit/memory.h"
 #include "stream/sort/early_sync.h"
 #include "stream/store/export.h"
@@ -19,10 +20,12 @@ struct IngestOptions {
   std::uint32_t tile_points = kTilePoints;
   std::optional<World3> scale;           ///< lattice step by hand
   std::optional<WorldBox> drop_outside;  ///< points outside this box are left out, and counted
-  /// How a LAS file will be written of the store, where one will: it must hold the points.
-  std::optional<ExportOptions> las_output;
+  /// How a file of a format with an integer grid will be written of the store, where one will: it
+  /// must hold the points.
+  std::optional<ExportOptions> gridded_output;
   SyncSizes sync;
   bool source_column = false;  ///< adds SourceFile (uint32) and SourceRecord (uint64) to the rows
+  OpenInput open = open_watched;  ///< what reads an input
 };
 
 /// What of the inputs decides the store: computed before any point is sorted.
@@ -32,6 +35,8 @@ struct IngestPlan {
   std::vector<std::uint64_t> counts;      ///< points a file, as promised or measured
   std::vector<std::uint64_t> head_sizes;  ///< bytes of each one's head and coordinate system
   std::uint64_t points = 0;               ///< their sum
+  std::size_t unit = 1;                   ///< the most records that an input decodes together
+  OpenInput open = open_watched;
   std::optional<WorldBox> drop_outside;
   double spacing = 0;  ///< of the points, where all positions were read for the plan; 0: not known
   std::vector<std::string> notes;  ///< files whose points move onto the common lattice, ...
@@ -42,8 +47,8 @@ struct IngestPlan {
 ///
 /// Errors: kBadInput for CRS mismatch, no common lattice, unsupported or damaged files, and for
 ///         floating-point positions of which some lie so far away that the lattice, or the grid
-///         that a LAS output would get, is too coarse for the spacing of the others; kFailed for
-///         files that changed since.
+///         that a gridded output would get, is too coarse for the spacing of the others; kFailed
+///         for files that changed since.
 Result<IngestPlan> plan_ingest(std::vector<InputRecord> inputs, const IngestOptions& options,
                                Monitor& monitor);
 /// The same of files as they are now.

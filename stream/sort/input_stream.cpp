@@ -9,7 +9,6 @@
 
 #include "core/parallel.h"
 #include "io/points/positions.h"
-#include "io/watched_reader.h"
 
 namespace pss {
 namespace {
@@ -42,28 +41,30 @@ InputStream::InputStream(const IngestPlan& plan, bool source_column, const Curso
 }
 
 Result<void> InputStream::open_input() {
-  PSS_ASSIGN(reader_, open_watched(record(), HeadBytes::kLeft, plan_.counts[cursor_.input]));
+  PSS_ASSIGN(reader_, plan_.open(record(), HeadBytes::kLeft, plan_.counts[cursor_.input]));
   mapper_.emplace(reader_->header().schema, plan_.header.schema);
   placement_.emplace(reader_->header().grid, plan_.header.lattice);
-  batches_.assign(slots_in_order(), {});
+  batches_.clear();
   if (cursor_.record > 0) PSS_TRY(reader_->seek(cursor_.record));
   return {};
 }
 
-Result<void> InputStream::read(std::size_t most, std::size_t batch_points, Chunk& chunk,
+Result<void> InputStream::read(std::size_t most, const Batches& batches, Chunk& chunk,
                                const Monitor& monitor) {
   if (ended()) return {};
   if (!reader_) PSS_TRY(open_input());
+  if (batches_.size() != batches.count) batches_.assign(batches.count, {});
   const auto batch = [&](std::size_t k) -> Batch& { return batches_[k % batches_.size()]; };
   const std::size_t first = chunk.size();
   std::size_t fetched = 0;
   bool at_end = false;
   Result<void> fetch, result;
   const auto take = [&](std::size_t k) {
-    if (fetched == most) return false;
-    fetch = monitor.stopping()
-                ? interrupted()
-                : reader_->fetch(std::min(batch_points, most - fetched), batch(k).raw);
+    const std::size_t room = most - fetched;
+    // A unit that does not fit whole is left to the next call, unless this one would read nothing.
+    if (room == 0 || (fetched > 0 && room < reader_->unit())) return false;
+    fetch = monitor.stopping() ? interrupted()
+                               : reader_->fetch(std::min(batches.points, room), batch(k).raw);
     if (!fetch) return false;
     at_end = batch(k).raw.count == 0;
     batch(k).at = first + fetched;
@@ -175,9 +176,9 @@ Error InputStream::outside(const PointBatch& points, std::size_t i) const {
                       kLatticeBits, lattice.scale[0], lattice.origin[0])};
 }
 
-std::uint64_t input_bytes_per_point(const Schema& schema) {
-  // Batches in all slots, each as it lies in the file and decoded.
-  return slots_in_order() * 2 * (sizeof(Index3) + schema.row_size());
+std::uint64_t input_memory(const Schema& schema, const Batches& batches) {
+  // Each as it lies in the file and decoded.
+  return std::uint64_t{2} * batches.count * batches.points * (sizeof(Index3) + schema.row_size());
 }
 
 }  // namespace pss

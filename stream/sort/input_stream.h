@@ -22,6 +22,12 @@ namespace pss {
 inline constexpr const char* kSourceFile = "SourceFile";
 inline constexpr const char* kSourceRecord = "SourceRecord";
 
+/// So many batches are on their way at once, each of at most so many points.
+struct Batches {
+  std::size_t points = 0;
+  std::size_t count = 0;
+};
+
 /// Reads points in the inputs' order; counts what it drops and moves.
 ///
 /// Records are fetched by one thread at a time, so that the disk is read front to back, and decoded
@@ -32,14 +38,15 @@ class InputStream {
   InputStream(const IngestPlan& plan, bool source_column, const Cursor& from,
               const IngestSummary& summary, std::vector<InputCounts> counts = {});
 
-  /// Adds the points of the next `most` records to `chunk`, or of fewer: up to an input's end.
+  /// Adds the points of the next `most` records to `chunk`, or of fewer: up to an input's end, and
+  /// so that the last ones are not cut off from others that are decoded with them.
   ///
-  /// Requires: room for so many, and batches of at least one.
+  /// Requires: room for so many, and batches of at least one point. Where `most`, or a batch, is
+  ///           less than the input's Reader::unit(), records are decoded more than once.
   /// Errors:   those of readers; kBadInput with file and record where a position lies outside the
   ///           lattice; kFailed where the input changed since the plan was made, which is certain
   ///           to be noticed only at its end; kInterrupted.
-  Result<void> read(std::size_t most, std::size_t batch_points, Chunk& chunk,
-                    const Monitor& monitor);
+  Result<void> read(std::size_t most, const Batches& batches, Chunk& chunk, const Monitor& monitor);
 
   /// Refuses the input at the cursor where it changed since the plan was made. What was read of the
   /// inputs before it, up to their ends, is known to be of the planned files.
@@ -87,7 +94,7 @@ class InputStream {
   std::vector<Batch> batches_;
 };
 
-/// What an InputStream holds for each point of `batch_points`.
-std::uint64_t input_bytes_per_point(const Schema& schema);
+/// What an InputStream holds of points with these rows.
+std::uint64_t input_memory(const Schema& schema, const Batches& batches);
 
 }  // namespace pss

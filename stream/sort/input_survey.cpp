@@ -2,20 +2,14 @@
 
 #include <memory>
 
-#include "io/watched_reader.h"
-
 namespace pss {
 
-Result<InputSurvey::Measured> InputSurvey::measure(std::size_t input, std::uint64_t promised) {
+Result<Extent> InputSurvey::measure(std::size_t input, std::uint64_t promised) {
   monitor_.begin("bounds", promised);
-  PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(inputs_[input], HeadBytes::kLeft));
-  Measured measured;
-  PSS_ASSIGN(measured.count, visit_positions(*reader, kept_, monitor_,
-                                             [&](std::uint64_t record, const World3& position) {
-                                               measured.bounds.add(position);
-                                               survey_.add(input, record, position);
-                                             }));
-  return measured;
+  PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_(inputs_[input], HeadBytes::kLeft, {}));
+  return read_positions(*reader, kept_, monitor_, [&](std::uint64_t record, const World3& at) {
+    survey_.add(input, record, at);
+  });
 }
 
 Result<double> InputSurvey::spacing_beside(double step) const {
@@ -26,7 +20,7 @@ Result<double> InputSurvey::spacing_beside(double step) const {
 Result<void> InputSurvey::pass_all(SpacingMeter& meter) const {
   monitor_.begin("spacing", 0);
   for (const InputRecord& record : inputs_) {
-    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_watched(record, HeadBytes::kLeft));
+    PSS_ASSIGN(const std::unique_ptr<Reader> reader, open_(record, HeadBytes::kLeft, {}));
     PSS_TRY(measure_positions(*reader, kept_, meter, monitor_));
   }
   return {};

@@ -10,23 +10,19 @@
 #include "core/result.h"
 #include "io/file/fingerprint.h"
 #include "io/points/position_survey.h"
+#include "io/watched_reader.h"
 
 namespace pss {
 
 class InputSurvey {
  public:
   /// Positions outside `kept`, which may be absent, are passed over.
-  InputSurvey(const std::vector<InputRecord>& inputs, const std::optional<WorldBox>& kept,
-              Monitor& monitor)
-      : inputs_(inputs), kept_(kept), monitor_(monitor) {}
+  InputSurvey(const std::vector<InputRecord>& inputs, const OpenInput& open,
+              const std::optional<WorldBox>& kept, Monitor& monitor)
+      : inputs_(inputs), open_(open), kept_(kept), monitor_(monitor) {}
 
-  /// What a reading of one input shows.
-  struct Measured {
-    std::uint64_t count = 0;  ///< records, also those that are passed over
-    WorldBox bounds;
-  };
   /// Reads an input whole. `promised` is how many records are expected.
-  Result<Measured> measure(std::size_t input, std::uint64_t promised);
+  Result<Extent> measure(std::size_t input, std::uint64_t promised);
 
   /// Of the inputs that were measured.
   const WorldBox& bounds() const { return survey_.bounds(); }
@@ -41,6 +37,7 @@ class InputSurvey {
   Result<void> pass_all(SpacingMeter& meter) const;
 
   const std::vector<InputRecord>& inputs_;
+  const OpenInput& open_;
   const std::optional<WorldBox>& kept_;
   Monitor& monitor_;
   PositionSurvey survey_;

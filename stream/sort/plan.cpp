@@ -9,10 +9,11 @@
 #include <utility>
 
 #include "io/file/fingerprint.h"
-#include "io/formats/las/las_grid.h"
-#include "io/watched_reader.h"
+#include "io/points/common_crs.h"
+#include "io/points/integer_grid.h"
 #include "stream/sort/common_lattice.h"
 #include "stream/sort/ingest.h"
+#include "stream/sort/ingest_memory.h"
 #include "stream/sort/input_stream.h"
 #include "stream/sort/input_survey.h"
 #include "stream/sort/placement.h"
@@ -22,6 +23,8 @@ namespace {
 
 /// So many steps a side of the bounds has at least on the lattice that is chosen for them.
 constexpr double kLeastLatticeSteps = 0x1p40;
+
+double coarsest_step(const Lattice& grid) { return *std::ranges::max_element(grid.scale); }
 
 /// What is kept of an input's header: there may be very many.
 struct Input {
@@ -35,7 +38,10 @@ struct Input {
 class Planner {
  public:
   Planner(std::vector<InputRecord> inputs, const IngestOptions& options, Monitor& monitor)
-      : options_(options), monitor_(monitor), survey_(plan_.inputs, options.drop_outside, monitor) {
+      : options_(options),
+        monitor_(monitor),
+        survey_(plan_.inputs, options.open, options.drop_outside, monitor) {
+    plan_.open = options.open;
     plan_.header.inputs = digest_of(inputs);
     plan_.inputs = std::move(inputs);
   }
@@ -59,10 +65,12 @@ class Planner {
       plan_.header.parameters =
           fmt::format(R"({{"drop-outside":[{},{}]}})", fmt::join(options_.drop_outside->min, ","),
                       fmt::join(options_.drop_outside->max, ","));
+    CommonCrs crs;
     for (const InputRecord& record : plan_.inputs) {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while reading headers"};
-      PSS_ASSIGN(const auto reader, open_watched(record, HeadBytes::kLeft));
-      PSS_TRY(check_crs(reader->header()));
+      PSS_ASSIGN(const auto reader, options_.open(record, HeadBytes::kLeft, {}));
+      PSS_TRY(crs.add(reader->header()));
+      PSS_TRY(take_unit(*reader));
       take(record, reader->header());
     }
     return {};
@@ -81,22 +89,18 @@ class Planner {
       plan_.notes.push_back(fmt::format("{}: {}", record.path, warning));
   }
 
+  Result<void> take_unit(const Reader& reader) {
+    plan_.unit = std::max(plan_.unit, reader.unit());
+    if (reader.unit() <= kLargestUnit) return {};
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: found {} records that are compressed together, expected at most "
+                             "{}; write the file anew with fewer",
+                             reader.header().path, reader.unit(), kLargestUnit)};
+  }
+
   /// What the points that are kept can reach of `bounds`.
   std::optional<WorldBox> kept(const std::optional<WorldBox>& bounds) const {
     return bounds && options_.drop_outside ? bounds->clipped(*options_.drop_outside) : bounds;
-  }
-
-  Result<void> check_crs(const CloudHeader& header) {
-    if (header.crs.empty() || header.crs == crs_) return {};
-    if (crs_.empty()) {
-      crs_ = header.crs;
-      crs_path_ = header.path;
-      return {};
-    }
-    return Error{Fault::kBadInput,
-                 fmt::format("{} and {}: their coordinate reference systems differ; bring them "
-                             "into one first",
-                             crs_path_, header.path)};
   }
 
   Result<void> complete_schema() {
@@ -143,11 +147,11 @@ class Planner {
       PSS_TRY(measure_one(i));
       PSS_TRY(check_places(input.record.path, *input.measured));
     }
-    const auto& output = options_.las_output;
+    const auto& output = options_.gridded_output;
     return output && chooses_scale(plan_.header, *output) ? check_chosen_scale() : Result<void>();
   }
 
-  /// A LAS output gets the finest scale that holds the points, instead of that of the inputs.
+  /// The output gets the finest scale that holds the points, instead of that of the inputs.
   Result<void> check_chosen_scale() {
     for (std::size_t i = 0; i < inputs_.size(); ++i)
       if (!inputs_[i].measured) PSS_TRY(measure_one(i));
@@ -157,14 +161,14 @@ class Planner {
   /// Whether positions within `bounds` have a place on the lattice, and in the output.
   Result<void> check_places(const std::string& path, const WorldBox& bounds) const {
     PSS_TRY(check_fits(path, bounds, plan_.header.lattice));
-    if (!options_.las_output) return {};
+    if (!options_.gridded_output) return {};
     const WorldBox all = all_bounds();
-    return check_las_grid(path, *output_grid(all), bounds, all);
+    return check_integer_grid(path, output_grid(all), bounds, all);
   }
 
-  std::optional<Lattice> output_grid(const WorldBox& bounds) const {
-    if (!options_.las_output) return std::nullopt;
-    return export_grid(plan_.header, bounds, 0, Format::kLas, *options_.las_output);
+  /// Requires: a gridded output.
+  Lattice output_grid(const WorldBox& bounds) const {
+    return export_grid(plan_.header, bounds, 0, *options_.gridded_output);
   }
 
   /// Of all inputs, as far as they are known.
@@ -177,8 +181,8 @@ class Planner {
 
   Result<void> measure_one(std::size_t number) {
     Input& input = inputs_[number];
-    PSS_ASSIGN(const InputSurvey::Measured found, survey_.measure(number, input.count));
-    input.count = found.count;
+    PSS_ASSIGN(const Extent found, survey_.measure(number, input.count));
+    input.count = found.records;
     input.measured = found.bounds;
     return {};
   }
@@ -186,15 +190,14 @@ class Planner {
   /// The lattice is as fine as the bounds allow, so a single far point makes it coarse for all: no
   /// point may be rounded by more than a small share of the way to its neighbours.
   Result<void> check_steps(double step) {
-    const bool las_chosen =
-        options_.las_output && chooses_scale(plan_.header, *options_.las_output);
-    if (las_chosen)
-      step = std::max(step, *std::ranges::max_element(output_grid(survey_.bounds())->scale));
+    const bool scale_chosen =
+        options_.gridded_output && chooses_scale(plan_.header, *options_.gridded_output);
+    if (scale_chosen) step = std::max(step, coarsest_step(output_grid(survey_.bounds())));
     PSS_ASSIGN(plan_.spacing, survey_.spacing_beside(step));
     if (options_.scale) return note_coarse_scale();
     if (!too_coarse(step, plan_.spacing)) return {};
     return survey_.too_coarse_step(step, plan_.spacing,
-                                   las_chosen ? kLeastLasSteps : kLeastLatticeSteps);
+                                   scale_chosen ? kLeastGridSteps : kLeastLatticeSteps);
   }
 
   Result<void> note_coarse_scale() {
@@ -213,7 +216,7 @@ class Planner {
     if (options_.scale) plan_.header.grid = plan_.header.lattice;
     for (const Input& input : inputs_) PSS_TRY(check_places(input.record.path, *input.measured));
     if (bounds.empty()) return {};
-    return check_steps(*std::ranges::max_element(plan_.header.lattice.scale));
+    return check_steps(coarsest_step(plan_.header.lattice));
   }
 
   Result<void> beyond_any_lattice(std::size_t axis) {
@@ -250,8 +253,6 @@ class Planner {
   std::vector<Input> inputs_;
   InputSurvey survey_;  ///< of the inputs whose positions were all read
   Schema last_schema_;
-  std::string crs_;  ///< of the first input that has one
-  std::string crs_path_;
 };
 
 }  // namespace

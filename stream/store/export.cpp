@@ -4,50 +4,20 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <utility>
 
+#include "io/formats/table.h"
 #include "io/inputs.h"
-#include "io/points/writer.h"
+#include "io/open.h"
+#include "io/points/integer_grid.h"
 
 namespace pss {
 namespace {
 
-/// The part of the int32 range that a chosen grid fills at most.
-constexpr double kUsableSteps = 2.0e9;
-
-double power_of_ten(int exponent) {
-  double power = 1;
-  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
-  return exponent < 0 ? 1 / power : power;
-}
-
-/// The finest power of ten that holds `half` steps to either side.
-double finest_scale(double half) {
-  int exponent = -12;
-  while (half / power_of_ten(exponent) > kUsableSteps && exponent < 300) ++exponent;
-  return power_of_ten(exponent);
-}
-
-/// A grid about the centre of `bounds`: offset in whole units, the finest decimal scale that fits.
-Lattice chosen_grid(const WorldBox& bounds, double margin) {
-  Lattice grid;
-  double half = 0;
-  for (std::size_t a = 0; a < 3 && !bounds.empty(); ++a) {
-    grid.origin[a] = std::nearbyint(bounds.min[a] / 2 + bounds.max[a] / 2);
-    half = std::max({half, bounds.max[a] - grid.origin[a], grid.origin[a] - bounds.min[a]});
-  }
-  const double scale = finest_scale(half + margin);
-  grid.scale = {scale, scale, scale};
-  return grid;
-}
-
-Result<WriteOptions> write_options(const Store& store, Format format,
+Result<WriteOptions> write_options(const Store& store, const Format& format,
                                    const ExportOptions& options) {
   const StoreHeader& header = store.header();
   WriteOptions write;
-  write.format = format;
   write.schema = header.schema;
   write.grid = header.lattice;
   write.count = store.points();
@@ -56,10 +26,10 @@ Result<WriteOptions> write_options(const Store& store, Format format,
   write.rules = options.rules;
   // Positions that came as floating point are known to half a step of their lattice.
   if (!header.grid) write.tolerance = 0.499 * *std::ranges::min_element(header.lattice.scale);
-  const auto grid = export_grid(header, *write.bounds, 0, format, options);
-  if (grid) {
-    write.scale = grid->scale;
-    write.offset = grid->origin;
+  if (format.integer_grid) {
+    const Lattice grid = export_grid(header, *write.bounds, 0, options);
+    write.scale = grid.scale;
+    write.offset = grid.origin;
   }
   return write;
 }
@@ -96,20 +66,25 @@ bool chooses_scale(const StoreHeader& header, const ExportOptions& options) {
   return !options.scale && (options.scale_auto || !header.grid);
 }
 
-std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
-                                   Format format, const ExportOptions& options) {
-  if (format != Format::kLas) return std::nullopt;
-  Lattice grid = header.grid && !options.scale_auto ? *header.grid : chosen_grid(bounds, margin);
+Lattice export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
+                    const ExportOptions& options) {
+  Lattice grid =
+      header.grid && !options.scale_auto ? *header.grid : integer_grid_with_room(bounds, margin);
   if (options.scale) grid.scale = *options.scale;
   if (options.offset) grid.origin = *options.offset;
   return grid;
 }
 
-Result<std::optional<Carry>> carried_head(const Store& store, Format format) {
+Result<std::optional<Carry>> carried_head(const InputTable& inputs, const Format& format) {
+  PSS_ASSIGN(const InputFacts facts, inputs.facts(0));
+  const Format* first = find_format(facts.format);
+  return first && first->family == format.family ? inputs.head(0) : std::optional<Carry>();
+}
+
+Result<std::optional<Carry>> carried_head(const Store& store, const Format& format) {
   if (store.header().inputs.count == 0) return std::optional<Carry>();
   PSS_ASSIGN(const InputTable inputs, store.inputs());
-  PSS_ASSIGN(const InputFacts first, inputs.facts(0));
-  return first.format == format_name(format) ? inputs.head(0) : std::optional<Carry>();
+  return carried_head(inputs, format);
 }
 
 std::uint64_t export_memory(std::size_t row_size, std::uint64_t points) {
@@ -128,14 +103,14 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
              budget.take(export_memory(row, store.points()),
                          fmt::format("{}: writing rows of {} bytes", store.path(), row)));
   PSS_TRY(check_output(std::array{store.path()}, output));
-  PSS_ASSIGN(const Format format, format_for(output));
+  PSS_ASSIGN(const Format* format, format_for(output));
   PSS_TRY(check_grid_options(output, format, options.scale || options.scale_auto,
                              options.offset.has_value()));
   std::string note;
   if (!options.checked) {
-    PSS_ASSIGN(note, check_export(store, 0, format, options, monitor));
+    PSS_ASSIGN(note, check_export(store, 0, *format, options, monitor));
   }
-  PSS_ASSIGN(WriteOptions write, write_options(store, format, options));
+  PSS_ASSIGN(WriteOptions write, write_options(store, *format, options));
   PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, std::move(write)));
   monitor.begin("write", store.points(), store.tiles().size());
   PointBatch batch;

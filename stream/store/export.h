@@ -9,15 +9,17 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "io/file/output_file.h"
+#include "io/points/format.h"
 #include "stream/limit/memory.h"
 #include "stream/store/store.h"
 
 namespace pss {
 
 struct ExportOptions {
-  std::optional<World3> scale;   ///< LAS; default: the source file's, or one chosen for the bounds
-  bool scale_auto = false;       ///< LAS: the finest scale that holds the bounds
-  std::optional<World3> offset;  ///< LAS
+  // Of formats with an integer grid.
+  std::optional<World3> scale;   ///< default: the source file's, or one chosen for the bounds
+  bool scale_auto = false;       ///< the finest scale that holds the bounds
+  std::optional<World3> offset;  ///< default: as the scale's
   OutputRules rules;             ///< of the file that appears
   bool checked = false;          ///< check_export() has passed for what the rows were made from
 };
@@ -28,11 +30,11 @@ struct ExportSummary {
   std::vector<std::string> notes;
 };
 
-/// The grid that a file written from a store gets; empty where the format has none.
+/// The grid that a file of a format with an integer grid gets, when it is written from a store.
 ///
 /// `margin` widens the bounds that a grid is chosen for, where none is given.
-std::optional<Lattice> export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
-                                   Format format, const ExportOptions& options);
+Lattice export_grid(const StoreHeader& header, const WorldBox& bounds, double margin,
+                    const ExportOptions& options);
 
 /// Whether export_grid() chooses the scale for the bounds.
 bool chooses_scale(const StoreHeader& header, const ExportOptions& options);
@@ -40,10 +42,10 @@ bool chooses_scale(const StoreHeader& header, const ExportOptions& options);
 /// Refuses a scale and an offset that cannot hold the store's box. Costs nothing.
 ///
 /// Errors: kBadInput, with the --scale or --offset that would do.
-Result<void> check_export_box(const Store& store, double margin, Format format,
+Result<void> check_export_box(const Store& store, double margin, const Format& format,
                               const ExportOptions& options);
 
-/// Refuses what a LAS file of a store could not hold, before any work goes into it. Returns what
+/// Refuses what a file of a store could not hold, before any work goes into it. Returns what
 /// should be known of a scale that was given by hand; empty for nothing.
 ///
 /// Where positions will be rounded, the spacing of the points is measured in a pass over them.
@@ -51,13 +53,15 @@ Result<void> check_export_box(const Store& store, double margin, Format format,
 ///         would do; where a chosen scale is too coarse for the spacing because of a far point:
 ///         `advice` leads to the --drop-outside that would do.
 Result<std::string> check_export(
-    const Store& store, double margin, Format format, const ExportOptions& options,
+    const Store& store, double margin, const Format& format, const ExportOptions& options,
     Monitor& monitor, const char* advice = "make the store without such points, by pss tile with");
 
-/// The head of a complete store's first input, where it is one for a file of this format.
+/// The head of a complete store's first input, where it is one for a file of this format's family.
 ///
 /// Requires: reserve_header_and_head(), or reserve_inputs() of that input.
-Result<std::optional<Carry>> carried_head(const Store& store, Format format);
+Result<std::optional<Carry>> carried_head(const Store& store, const Format& format);
+/// The same of a table that has inputs.
+Result<std::optional<Carry>> carried_head(const InputTable& inputs, const Format& format);
 
 /// What export_store() takes of the limit, beside the header and the first input's head.
 std::uint64_t export_memory(std::size_t row_size, std::uint64_t points);
@@ -66,7 +70,7 @@ std::uint64_t export_memory(std::size_t row_size, std::uint64_t points);
 ///
 /// Requires: as carried_head().
 /// Errors: kBadInput for a damaged or incomplete store, or a place that the format cannot hold;
-///         kUsage for a scale or offset without a LAS output.
+///         kUsage for a scale or offset of a format without an integer grid.
 Result<ExportSummary> export_store(const Store& store, const std::string& output,
                                    const ExportOptions& options, MemoryBudget& budget,
                                    Monitor& monitor);

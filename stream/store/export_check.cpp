@@ -1,8 +1,8 @@
-// check_export() of stream/store/export.h: what a LAS file of a store could not hold.
+// check_export() of stream/store/export.h: what a file of a store could not hold.
 
 #include <algorithm>
 
-#include "io/formats/las/las_grid.h"
+#include "io/points/integer_grid.h"
 #include "io/points/position_survey.h"
 #include "stream/store/export.h"
 
@@ -61,30 +61,30 @@ Result<double> spacing_of_rows(const Store& store, double step, const PositionSu
 
 }  // namespace
 
-Result<void> check_export_box(const Store& store, double margin, Format format,
+Result<void> check_export_box(const Store& store, double margin, const Format& format,
                               const ExportOptions& options) {
-  if (format != Format::kLas) return {};
+  if (!format.integer_grid) return {};
   const WorldBox bounds = world_bounds_of(store);
-  const std::optional<Lattice> grid = export_grid(store.header(), bounds, margin, format, options);
-  return check_las_grid(store.path(), *grid, bounds, widened(bounds, margin));
+  const Lattice grid = export_grid(store.header(), bounds, margin, options);
+  return check_integer_grid(store.path(), grid, bounds, widened(bounds, margin));
 }
 
-Result<std::string> check_export(const Store& store, double margin, Format format,
+Result<std::string> check_export(const Store& store, double margin, const Format& format,
                                  const ExportOptions& options, Monitor& monitor,
                                  const char* advice) {
-  if (format != Format::kLas) return std::string();
+  if (!format.integer_grid) return std::string();
   const StoreHeader& header = store.header();
   const WorldBox bounds = world_bounds_of(store);
-  const std::optional<Lattice> grid = export_grid(header, bounds, margin, format, options);
+  const Lattice grid = export_grid(header, bounds, margin, options);
   PSS_TRY(check_export_box(store, margin, format, options));
   const bool chosen = chooses_scale(header, options);
   if (bounds.empty() || (!chosen && !options.scale)) return std::string();
-  const double step = *std::ranges::max_element(grid->scale);
+  const double step = *std::ranges::max_element(grid.scale);
   PSS_ASSIGN(const PositionSurvey survey, survey_rows(store, monitor));
   PSS_ASSIGN(const double spacing, spacing_of_rows(store, step, survey, monitor));
-  if (!chosen) return coarse_step_note("--scale", grid->scale, spacing);
+  if (!chosen) return coarse_step_note("--scale", grid.scale, spacing);
   if (!too_coarse(step, spacing)) return std::string();
-  return too_far(survey, store.path(), step, spacing, kLeastLasSteps, advice);
+  return too_far(survey, store.path(), step, spacing, kLeastGridSteps, advice);
 }
 
 }  // namespace pss

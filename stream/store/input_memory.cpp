@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "io/file/file.h"
-#include "io/points/reader.h"
+#include "io/open.h"
 #include "stream/store/log.h"
 
 namespace pss {
@@ -84,14 +84,14 @@ Result<Reservation> reserve_inputs(const std::vector<std::string>& inputs, const
   asked.head = kHeadCopies * (cloud.carry_size + cloud.crs.size());
   // Of the first alone: how many points the others have is known, and asked for, once all are
   // opened.
-  asked.work = least(header, cloud.count.value_or(0));
+  asked.work = least(header, cloud.count.value_or(0), first->unit());
   if (asked.held() + asked.work > budget.available()) return refusal(inputs, asked, budget);
   return budget.take(asked.held(), inputs.front());
 }
 
-Result<void> check_least(const StoreHeader& header, std::uint64_t points, const LeastMemory& least,
-                         const MemoryBudget& budget) {
-  const std::uint64_t work = least(header, points);
+Result<void> check_least(const StoreHeader& header, std::uint64_t points, std::size_t unit,
+                         const LeastMemory& least, const MemoryBudget& budget) {
+  const std::uint64_t work = least(header, points, unit);
   if (work <= budget.available()) return {};
   return budget.refusal(fmt::format("the work on rows of {} bytes", header.schema.row_size()),
                         work);

@@ -13,11 +13,14 @@
 namespace pss {
 
 /// The most that any stage of a job must have at once, beside what its inputs hold: of these
-/// inputs' schema, and of so many points (0: unknown).
-using LeastMemory = std::function<std::uint64_t(const StoreHeader& header, std::uint64_t points)>;
+/// inputs' schema, of so many points (0: unknown), and with the largest Reader::unit() of the
+/// inputs.
+using LeastMemory =
+    std::function<std::uint64_t(const StoreHeader& header, std::uint64_t points, std::size_t unit)>;
 
 /// Takes what a job holds of its inputs' names and of the head of the first, for as long as it
-/// runs. A head is all that is carried on to a file of the same format: of LAS, header and VLRs.
+/// runs. A head is all that is carried on to a file of the same family of formats: of LAS, header
+/// and VLRs.
 ///
 /// Errors: kMemoryLimit where that and what the work takes do not fit, with a limit that does for
 ///         names, head and work; those of opening the first input.
@@ -25,11 +28,11 @@ using LeastMemory = std::function<std::uint64_t(const StoreHeader& header, std::
 Result<Reservation> reserve_inputs(const std::vector<std::string>& inputs, const LeastMemory& least,
                                    MemoryBudget& budget);
 
-/// The same once all inputs are known: they may have wider rows than the first.
+/// The same once all inputs are known: they may have wider rows and larger units than the first.
 ///
 /// Errors: kMemoryLimit, with the limit that does.
-Result<void> check_least(const StoreHeader& header, std::uint64_t points, const LeastMemory& least,
-                         const MemoryBudget& budget);
+Result<void> check_least(const StoreHeader& header, std::uint64_t points, std::size_t unit,
+                         const LeastMemory& least, const MemoryBudget& budget);
 
 /// Takes what a job holds of a store's header, before it is read.
 ///

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "io/file/file.h"
+#include "io/formats/table.h"
 #include "stream/store/bytes.h"
 #include "stream/store/lattice_bytes.h"
 
@@ -184,7 +185,7 @@ Result<std::string> InputTable::crs(std::size_t input) const {
 
 Result<std::optional<Carry>> InputTable::head(std::size_t input) const {
   PSS_ASSIGN(const InputFacts facts, this->facts(input));
-  const std::optional<Format> format = format_named(facts.format);
+  const Format* format = find_format(facts.format);
   PSS_ASSIGN(const std::optional<LogPlace> place, part_of(input, type_of(Part::kHead)));
   if (!format || !place) return std::optional<Carry>();
   PSS_ASSIGN(const std::vector<std::byte> payload, file_.payload(*place));
@@ -192,7 +193,8 @@ Result<std::optional<Carry>> InputTable::head(std::size_t input) const {
   const auto head = r.bytes();
   const auto tail = r.bytes();
   if (!r.finished()) return damaged(place->offset, "the head of an input makes no sense");
-  return std::optional(Carry{*format, {head.begin(), head.end()}, {tail.begin(), tail.end()}});
+  return std::optional(
+      Carry{std::string(format->family), {head.begin(), head.end()}, {tail.begin(), tail.end()}});
 }
 
 Result<InputsDigest> InputTable::check() const {

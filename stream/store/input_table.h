@@ -69,8 +69,8 @@ class InputTable {
   Result<std::uint64_t> head_size(std::size_t input) const;
   /// The coordinate system, "" where it has none.
   Result<std::string> crs(std::size_t input) const;
-  /// What a file of the same format carries on; nothing where this program does not know the
-  /// format.
+  /// What a file of the same family of formats carries on; nothing where this program does not know
+  /// the format.
   Result<std::optional<Carry>> head(std::size_t input) const;
 
   /// Reads all bytes against their checksums, some at a time; gives the digest of the inputs.

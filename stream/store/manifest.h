@@ -30,7 +30,7 @@ struct StoreHeader {
   std::uint32_t tile_points = kTilePoints;
   bool ordered =
       true;  ///< rows in key order; false for results, whose rows keep their source's order
-  std::optional<Lattice> grid;  ///< scale and offset that a LAS file written from this gets
+  std::optional<Lattice> grid;  ///< that a file written from this gets, if its format has one
   InputsDigest inputs;          ///< the store's InputTable has what is known of each
   std::string parameters;       ///< JSON: what made the rows, beyond the inputs
 
@@ -41,7 +41,7 @@ struct StoreHeader {
 inline constexpr std::uint64_t kHeaderCopies = 3;
 /// Of the head of an input there are at most so many at once: as a reader or the table of inputs
 /// gives it, its bytes on their way from or to that table, or made by a writer whose points need
-/// another LAS head; and its coordinate system counts beside it.
+/// another head; and its coordinate system counts beside it.
 inline constexpr std::uint64_t kHeadCopies = 3;
 
 /// What a header's text holds, with the copies that a job has of it.

@@ -1,7 +1,7 @@
 #include "stream/widths/nearest.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 #include <queue>
 #include <utility>
 
@@ -10,16 +10,16 @@
 namespace pss {
 namespace {
 
-constexpr std::size_t kMostIndexes = 32;
 constexpr std::size_t kBlockBytes = kBlockPoints * sizeof(Index3);
 constexpr std::uint64_t kCacheBytes = 16u << 20;
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
-/// Something that may hold near positions: a tile, or one of its blocks.
-struct Place {
+/// A block that may hold near positions. Copied: indexes come and go.
+struct NearBlock {
   double distance_sq;
   std::size_t tile;
-  const BlockInfo* block;  ///< null for a whole tile
-  bool operator>(const Place& other) const { return distance_sq > other.distance_sq; }
+  BlockInfo block;
+  bool operator>(const NearBlock& other) const { return distance_sq > other.distance_sq; }
 };
 
 void add(const Lattice& lattice, const Index3& query, const std::vector<Index3>& positions,
@@ -32,22 +32,11 @@ void add(const Lattice& lattice, const Index3& query, const std::vector<Index3>&
 
 }  // namespace
 
-NearestSearch::NearestSearch(const Store& store, MemoryBudget& budget)
-    : store_(store), exclusion_(store.header().schema) {
+NearestSearch::NearestSearch(const Source& source, MemoryBudget& budget)
+    : source_(source), tiles_(BoxTree::of(source.tiles())), indexes_(source) {
   const std::uint64_t bytes = std::min<std::uint64_t>(kCacheBytes, budget.available() / 2);
   if (auto memory = budget.reserve(bytes)) memory_ = std::move(*memory);
   most_blocks_ = std::max<std::size_t>(4, memory_.bytes() / kBlockBytes);
-}
-
-Result<const std::vector<BlockInfo>*> NearestSearch::index_of(std::size_t tile) {
-  const auto found = std::ranges::find(indexes_, tile, &CachedIndex::tile);
-  if (found != indexes_.end()) {
-    indexes_.splice(indexes_.begin(), indexes_, found);
-  } else {
-    PSS_ASSIGN(std::vector<BlockInfo> blocks, store_.read_index(tile));
-    indexes_.push_front({tile, std::move(blocks)});
-  }
-  return &indexes_.front().blocks;
 }
 
 Result<const std::vector<Index3>*> NearestSearch::positions_of(std::size_t tile,
@@ -57,7 +46,7 @@ Result<const std::vector<Index3>*> NearestSearch::positions_of(std::size_t tile,
     blocks_.splice(blocks_.begin(), blocks_, found);
   } else {
     std::vector<Index3> positions;
-    PSS_TRY(exclusion_.read_kept(store_, store_.tiles()[tile], block, positions));
+    PSS_TRY(source_.read_neighbours(tile, block, positions));
     blocks_.push_front({block.first_row, std::move(positions)});
     if (blocks_.size() > most_blocks_) blocks_.pop_back();
   }
@@ -65,25 +54,26 @@ Result<const std::vector<Index3>*> NearestSearch::positions_of(std::size_t tile,
 }
 
 Result<std::vector<Neighbour>> NearestSearch::nearest(const Index3& query, std::size_t count) {
-  const Lattice& lattice = store_.header().lattice;
-  while (indexes_.size() > kMostIndexes) indexes_.pop_back();
-  std::priority_queue<Place, std::vector<Place>, std::greater<>> places;
-  for (std::size_t t = 0; t < store_.tiles().size(); ++t)
-    places.push({distance_sq(lattice, query, store_.tiles()[t].box), t, nullptr});
+  const Lattice& lattice = source_.lattice();
+  BoxTree::NearestFirst tiles(tiles_, lattice, query);
+  std::priority_queue<NearBlock, std::vector<NearBlock>, std::greater<>> near;
   NearestPositions nearest(count);
-  while (!places.empty() && (!nearest.full() || places.top().distance_sq <= nearest.largest())) {
-    const Place place = places.top();
-    places.pop();
-    if (place.block) {
-      PSS_ASSIGN(const std::vector<Index3>* positions, positions_of(place.tile, *place.block));
+  for (;;) {
+    const double tile = tiles.distance_sq();
+    const double block = near.empty() ? kNowhere : near.top().distance_sq;
+    const double next = std::min(tile, block);
+    if (next == kNowhere || (nearest.full() && next > nearest.largest())) return nearest.take();
+    if (block <= tile) {
+      PSS_ASSIGN(const std::vector<Index3>* positions,
+                 positions_of(near.top().tile, near.top().block));
+      near.pop();
       add(lattice, query, *positions, nearest);
     } else {
-      PSS_ASSIGN(const std::vector<BlockInfo>* blocks, index_of(place.tile));
-      for (const BlockInfo& block : *blocks)
-        places.push({distance_sq(lattice, query, block.box), place.tile, &block});
+      const std::size_t number = tiles.take();
+      PSS_ASSIGN(const std::vector<BlockInfo>* blocks, indexes_.blocks_of(number));
+      for (const BlockInfo& b : *blocks) near.push({distance_sq(lattice, query, b.box), number, b});
     }
   }
-  return nearest.take();
 }
 
 }  // namespace pss

@@ -136,9 +136,9 @@ Noise noise_in(const Readings& readings, const Method& method) {
 
 }  // namespace
 
-Result<Noise> measure_noise(const Store& store, const SpacingSample& sample, const Method& method,
+Result<Noise> measure_noise(const Source& source, const SpacingSample& sample, const Method& method,
                             MemoryBudget& budget, Monitor& monitor) {
-  PSS_ASSIGN(const Readings readings, try_widths(store, sample, method, budget, monitor));
+  PSS_ASSIGN(const Readings readings, try_widths(source, sample, method, budget, monitor));
   return noise_in(readings, method);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// How noisy the points of a store are, and how wide a fit may look before it bends the surface.
+// How noisy the points of a source are, and how wide a fit may look before it bends the surface.
 
 #include <cstddef>
 #include <vector>
@@ -8,7 +8,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "stream/limit/memory.h"
-#include "stream/store/store.h"
+#include "stream/passes/source.h"
 #include "stream/widths/spacing.h"
 #include "stream/widths/width_trials.h"
 
@@ -25,7 +25,7 @@ struct WidthTrial {
   double noise_change = 0;  ///< what noise of one spacing would make of it
 };
 
-/// What a sample of a store shows of noise and shape. Lengths in spacings: those of the store, or
+/// What a sample of a source shows of noise and shape. Lengths in spacings: those of the source, or
 /// where the spacing varies each point's own.
 struct Noise {
   std::size_t sample = 0;  ///< sampled positions that were looked at
@@ -41,7 +41,7 @@ struct Noise {
 ///
 /// Requires: `sample` has a spacing.
 /// Errors:   those of try_widths().
-Result<Noise> measure_noise(const Store& store, const SpacingSample& sample, const Method& method,
+Result<Noise> measure_noise(const Source& source, const SpacingSample& sample, const Method& method,
                             MemoryBudget& budget, Monitor& monitor);
 
 }  // namespace pss

@@ -1,5 +1,5 @@
 #pragma once
-// How far apart the points of a store are, measured on a sample that depends on nothing but them.
+// How far apart the points of a source are, measured on a sample that depends on nothing but them.
 
 #include <optional>
 
@@ -7,7 +7,7 @@
 #include "core/result.h"
 #include "core/spacing.h"
 #include "stream/limit/memory.h"
-#include "stream/store/store.h"
+#include "stream/passes/source.h"
 
 namespace pss {
 
@@ -15,10 +15,10 @@ namespace pss {
 ///
 /// Reads all positions once to choose the sample, then the blocks around each sampled position,
 /// nearest first, for spacing_over().
-Result<SpacingSample> sample_spacing(const Store& store, MemoryBudget& budget, Monitor& monitor);
+Result<SpacingSample> sample_spacing(const Source& source, MemoryBudget& budget, Monitor& monitor);
 
 /// The same, where the sample is not of interest.
-Result<std::optional<Spacing>> measure_spacing(const Store& store, MemoryBudget& budget,
+Result<std::optional<Spacing>> measure_spacing(const Source& source, MemoryBudget& budget,
                                                Monitor& monitor);
 
 }  // namespace pss

@@ -3,19 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <list>
 #include <map>
 
 #include "core/morton.h"
 #include "stream/passes/box_tree.h"
-#include "stream/passes/exclusion.h"
+#include "stream/passes/index_cache.h"
 #include "stream/widths/distance_filter.h"
 
 namespace pss {
 namespace {
 
 constexpr std::size_t kMostSites = 16;                        ///< at once: a few vectors' lanes
-constexpr std::size_t kMostIndexes = 32;                      ///< block indexes that are kept
 constexpr std::uint64_t kBytesPerPoint = sizeof(Index3) + 8;  ///< with the grid over them
 
 IndexBox box_at(const Index3& position) { return {position, position}; }
@@ -35,8 +33,8 @@ struct NearBlock {
 /// Reads surroundings, a group of sites at a time.
 class SiteReader {
  public:
-  SiteReader(const Store& store, std::span<const Site> sites)
-      : store_(store), sites_(sites), exclusion_(store.header().schema), tiles_(boxes_of(store)) {}
+  SiteReader(const Source& source, std::span<const Site> sites)
+      : source_(source), sites_(sites), tiles_(BoxTree::of(source.tiles())), indexes_(source) {}
 
   /// Empty where there are more points than fit.
   Result<std::optional<Surroundings>> read(std::size_t first, std::size_t count) {
@@ -53,32 +51,13 @@ class SiteReader {
  private:
   /// By first row: every block once.
   using NearBlocks = std::map<std::uint64_t, NearBlock>;
-  using Index = std::pair<std::size_t, std::vector<BlockInfo>>;
-
-  static BoxTree boxes_of(const Store& store) {
-    std::vector<IndexBox> boxes;
-    for (const TileInfo& tile : store.tiles()) boxes.push_back(tile.box);
-    return BoxTree(std::move(boxes));
-  }
-
-  Result<const std::vector<BlockInfo>*> index_of(std::size_t tile) {
-    const auto found = std::ranges::find(indexes_, tile, &Index::first);
-    if (found != indexes_.end()) {
-      indexes_.splice(indexes_.begin(), indexes_, found);
-    } else {
-      PSS_ASSIGN(std::vector<BlockInfo> blocks, store_.read_index(tile));
-      indexes_.emplace_front(tile, std::move(blocks));
-      if (indexes_.size() > kMostIndexes) indexes_.pop_back();
-    }
-    return &indexes_.front().second;
-  }
 
   Result<NearBlocks> blocks_near(std::size_t first, std::size_t count) {
-    const Lattice& lattice = store_.header().lattice;
+    const Lattice& lattice = source_.lattice();
     NearBlocks near;
     for (const Site& site : sites_.subspan(first, count))
       for (const std::size_t tile : tiles_.within(lattice, box_at(site.position), site.reach)) {
-        PSS_ASSIGN(const std::vector<BlockInfo>* blocks, index_of(tile));
+        PSS_ASSIGN(const std::vector<BlockInfo>* blocks, indexes_.blocks_of(tile));
         for (const BlockInfo& block : *blocks) {
           if (distance_sq(lattice, site.position, block.box) > site.reach * site.reach) continue;
           NearBlock& entry =
@@ -90,9 +69,8 @@ class SiteReader {
   }
 
   Result<void> add(const NearBlock& near, std::vector<Index3>& points) {
-    const TileInfo& tile = store_.tiles()[near.tile];
-    PSS_TRY(exclusion_.read_kept(store_, tile, near.block, positions_));
-    const Lattice& lattice = store_.header().lattice;
+    PSS_TRY(source_.read_neighbours(near.tile, near.block, positions_));
+    const Lattice& lattice = source_.lattice();
     for (const Index3& position : positions_) {
       const auto sees = [&](const Site* site) {
         const double reach_sq = site->reach * site->reach;
@@ -104,11 +82,10 @@ class SiteReader {
     return {};
   }
 
-  const Store& store_;
+  const Source& source_;
   std::span<const Site> sites_;
-  Exclusion exclusion_;
   BoxTree tiles_;
-  std::list<Index> indexes_;  ///< most recently used first
+  IndexCache indexes_;
   std::vector<Index3> positions_;
 };
 
@@ -116,12 +93,12 @@ class SiteReader {
 
 std::uint64_t surroundings_memory() { return (kMostAround + kBlockPoints) * kBytesPerPoint; }
 
-Result<void> for_each_surroundings(const Store& store, std::span<const Site> sites,
+Result<void> for_each_surroundings(const Source& source, std::span<const Site> sites,
                                    MemoryBudget& budget, Monitor& monitor,
                                    const std::function<void(const Surroundings&)>& use) {
   const auto memory = budget.reserve(surroundings_memory());
   if (!memory) return budget.refusal("measuring the noise", surroundings_memory(), ", or --h");
-  SiteReader reader(store, sites);
+  SiteReader reader(source, sites);
   std::size_t count = 1;
   for (std::size_t first = 0; first < sites.size();) {
     if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};

@@ -1,5 +1,5 @@
 #pragma once
-// What lies around a few sites of a store, some at a time: for samples, not for all points.
+// What lies around a few sites of a source, some at a time: for samples, not for all points.
 
 #include <cstdint>
 #include <functional>
@@ -9,7 +9,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "stream/limit/memory.h"
-#include "stream/store/store.h"
+#include "stream/passes/source.h"
 
 namespace pss {
 
@@ -35,8 +35,8 @@ inline constexpr std::size_t kMostAround = 16384;
 /// come together depends on the memory there is; what lies within reach of each does not.
 ///
 /// Requires: sites in key order, so that neighbours share blocks.
-/// Errors:   kMemoryLimit, kInterrupted, and what reading the store gives.
-Result<void> for_each_surroundings(const Store& store, std::span<const Site> sites,
+/// Errors:   kMemoryLimit, kInterrupted, and what reading the stores gives.
+Result<void> for_each_surroundings(const Source& source, std::span<const Site> sites,
                                    MemoryBudget& budget, Monitor& monitor,
                                    const std::function<void(const Surroundings&)>& use);
 

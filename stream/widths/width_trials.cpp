@@ -142,17 +142,17 @@ class Trials {
 
 std::uint64_t width_memory() { return Projector::bytes_for(kMostAround) + surroundings_memory(); }
 
-Result<Readings> try_widths(const Store& store, const SpacingSample& sample, const Method& method,
+Result<Readings> try_widths(const Source& source, const SpacingSample& sample, const Method& method,
                             MemoryBudget& budget, Monitor& monitor) {
   const std::vector<Sampled> sampled = chosen_of(sample);
-  Trials trials(store.header().lattice, sampled, method);
+  Trials trials(source.lattice(), sampled, method);
   std::vector<Site> sites;
   for (const auto& [position, unit] : sampled)
     sites.push_back({position, reach(method.weight, trials.support(unit, kTrials - 1))});
   const std::uint64_t bytes = Projector::bytes_for(kMostAround);
   const auto memory = budget.reserve(bytes);
   if (!memory) return budget.refusal("measuring the noise", width_memory(), ", or --h");
-  PSS_TRY(for_each_surroundings(store, sites, budget, monitor,
+  PSS_TRY(for_each_surroundings(source, sites, budget, monitor,
                                 [&](const Surroundings& around) { trials.add(around); }));
   return trials.readings();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Projects a sample of a store at several widths, and reads off what tells noise from shape.
+// Projects a sample of a source at several widths, and reads off what tells noise from shape.
 
 #include <array>
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include "core/monitor.h"
 #include "core/result.h"
 #include "stream/limit/memory.h"
-#include "stream/store/store.h"
+#include "stream/passes/source.h"
 #include "stream/widths/spacing.h"
 
 namespace pss {
@@ -20,8 +20,8 @@ inline constexpr std::array<double, 5> kTriedWidths{2, 3, 4, 5, 6};
 /// At most so many sampled positions are projected.
 inline constexpr std::size_t kNoiseSample = 512;
 
-/// One sampled position at one width. Lengths in spacings: those of the store, or where the spacing
-/// varies the position's own.
+/// One sampled position at one width. Lengths in spacings: those of the source, or where the
+/// spacing varies the position's own.
 struct Reading {
   bool usable = false;     ///< determined, and not at a boundary
   bool disturbed = false;  ///< by another sheet: the numbers tell nothing
@@ -42,12 +42,12 @@ struct Readings {
 /// Projects every n-th position of the sample by `fast` with the weight and the degree of `method`:
 /// levin finds the same surface, and the others' are about as smooth as their degree says.
 ///
-/// A pure function of the store's points. Positions in crowded places are left out.
+/// A pure function of the source's points. Positions in crowded places are left out.
 ///
 /// Requires: `sample` has a spacing.
-/// Errors:   kMemoryLimit, kInterrupted, and what reading the store gives.
+/// Errors:   kMemoryLimit, kInterrupted, and what reading the stores gives.
 /// Cost:     the blocks around each of kNoiseSample positions, five projections of each.
-Result<Readings> try_widths(const Store& store, const SpacingSample& sample, const Method& method,
+Result<Readings> try_widths(const Source& source, const SpacingSample& sample, const Method& method,
                             MemoryBudget& budget, Monitor& monitor);
 
 /// What must be left of the limit for that.

@@ -140,13 +140,13 @@ ChosenWidths choose_widths(const WidthOptions& options, const Method& method,
   return widths;
 }
 
-Result<ChosenWidths> choose_widths(const Store& store, const WidthOptions& options,
+Result<ChosenWidths> choose_widths(const Source& source, const WidthOptions& options,
                                    const Method& method, MemoryBudget& budget, Monitor& monitor) {
   if (!needs_spacing(options)) return choose_widths(options, method, std::nullopt);
-  PSS_ASSIGN(const SpacingSample sample, sample_spacing(store, budget, monitor));
+  PSS_ASSIGN(const SpacingSample sample, sample_spacing(source, budget, monitor));
   std::optional<Noise> noise;
   if (sample.spacing && needs_noise(options)) {
-    PSS_ASSIGN(noise, measure_noise(store, sample, method, budget, monitor));
+    PSS_ASSIGN(noise, measure_noise(source, sample, method, budget, monitor));
   }
   return choose_widths(options, method, sample.spacing, noise);
 }

@@ -51,7 +51,7 @@ ChosenWidths choose_widths(const WidthOptions& options, const Method& method,
 /// Measures what the choice for this projection needs, and chooses: a pure function of the points.
 ///
 /// Errors: those of sample_spacing() and measure_noise().
-Result<ChosenWidths> choose_widths(const Store& store, const WidthOptions& options,
+Result<ChosenWidths> choose_widths(const Source& source, const WidthOptions& options,
                                    const Method& method, MemoryBudget& budget, Monitor& monitor);
 
 }  // namespace pss

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <tuple>
@@ -82,6 +83,59 @@ TEST_P(CellGridTest, FindsTheKthDistinctDistance) {
         EXPECT_EQ(grid.kth_distance(position, k, cap),
                   brute_force_kth(lattice, points, position, k, cap))
             << "k " << k << " cap " << cap;
+  }
+}
+
+/// The distances to all points but one at the position, ascending.
+std::vector<double> other_distances(const Lattice& lattice, const std::vector<Index3>& points,
+                                    const Index3& position) {
+  std::vector<double> distances;
+  for (const Index3& p : points) distances.push_back(std::sqrt(distance_sq(lattice, position, p)));
+  std::ranges::sort(distances);
+  distances.erase(distances.begin());
+  return distances;
+}
+
+TEST_P(CellGridTest, FindsTheKthPointCountingDuplicates) {
+  const auto [scale, cell_radius, radius] = GetParam();
+  const Lattice lattice{scale, {}};
+  Random random(23);
+  std::vector<Index3> points = random_cube(random, 600, 2000);
+  for (std::size_t i = 0; i < 600; i += 3) points.insert(points.end(), i % 30 ? 1 : 9, points[i]);
+  std::ranges::sort(points, {}, encode_key);
+  const CellGrid grid(lattice, points, cell_radius);
+  for (std::size_t i = 0; i < points.size(); i += 11)
+    for (const int k : {1, 4, 8, 30}) {
+      const double expected =
+          other_distances(lattice, points, points[i])[static_cast<std::size_t>(k - 1)];
+      EXPECT_EQ(grid.kth_point_distance(points[i], k, 1e9), expected);
+      if (expected == 0) continue;
+      EXPECT_EQ(grid.kth_point_distance(points[i], k, expected), expected);
+      EXPECT_EQ(grid.kth_point_distance(points[i], k, expected * (1 - 1e-9)), std::nullopt);
+    }
+}
+
+TEST_P(CellGridTest, SumsWhatIsNearerThanTheRadius) {
+  const auto [scale, cell_radius, radius] = GetParam();
+  const Lattice lattice{scale, {}};
+  Random random(29);
+  std::vector<Index3> points = random_cube(random, 1500, 2000);
+  for (std::size_t i = 0; i < 1500; i += 5) points.push_back(points[i]);
+  std::ranges::sort(points, {}, encode_key);
+  const CellGrid grid(lattice, points, cell_radius);
+  for (std::size_t i = 0; i < points.size(); i += 37) {
+    BallSum expected;
+    for (const Index3& p : points) {
+      const double distance = std::sqrt(distance_sq(lattice, points[i], p));
+      if (distance >= radius) continue;
+      ++expected.points;
+      expected.distances += distance;
+      expected.heights += static_cast<double>(p[2] - points[i][2]);
+    }
+    const BallSum found = grid.sum_ball(points[i], radius);
+    EXPECT_EQ(found.points, expected.points);
+    EXPECT_NEAR(found.distances, expected.distances, 1e-9 * expected.distances);
+    EXPECT_EQ(found.heights, expected.heights);
   }
 }
 

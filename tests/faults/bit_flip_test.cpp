@@ -1,6 +1,7 @@
 // One bit flipped anywhere in what a job keeps: found and named, or without effect. Reliability
 // test 6.
 
+#include "stream/jobs/job_state.h"
 #include "stream/store/export.h"
 #include "stream/store/verify.h"
 #include "tests/faults/small_job.h"
@@ -64,7 +65,7 @@ TEST_F(BitFlip, InAStoreIsNamedByTheJobsThatReadIt) {
       export_store(expect_value(Store::open("/kept.pss")), "/sound.ply", {}, budget_, monitor_));
   SmoothJob job = small_job();
   job.inputs = {"/kept.pss"};
-  job.options.overwrite = job.options.restart = true;
+  job.overwrite = job.restart = true;
   with_each_flipped(disk_, "/kept.pss/", stride(kBitStep * 8 + 1), [&](const std::string& file) {
     const auto store = Store::open("/kept.pss");
     const auto exported =

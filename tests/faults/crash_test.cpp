@@ -82,13 +82,13 @@ TEST(Crash, WhatAFinishedTileCostIsNotPaidTwice) {
 
 TEST(Crash, ARestartWithOtherParametersNeverLeavesTheOldResult) {
   SmoothJob before = small_job();
-  before.options.keep_work = true;
+  before.keep_work = true;
   SmoothJob job = small_job();
   job.options.widths.h = 0.8;
   const Undisturbed whole(job);
-  job.options.restart = job.options.overwrite = true;
+  job.restart = job.overwrite = true;
   SmoothJob again = job;
-  again.options.restart = false;
+  again.restart = false;
   for (const Crash crash : kCrashes)
     for (std::uint64_t n = 1; n < 60; n += stride(3)) {
       SCOPED_TRACE(fmt::format("crash {} before change {}", static_cast<int>(crash), n));

@@ -45,8 +45,8 @@ inline SmoothJob small_job(MlsOperator op = MlsOperator::kLevin, const std::stri
   job.inputs = {kScan};
   job.output = output;
   job.options.op = op;
-  job.options.tile_points = 200;
-  job.options.state_folder = "/state/pss";
+  job.tile_points = 200;
+  job.state_folder = "/state/pss";
   job.options.widths.h = 1.0;
   job.options.widths.radius = 3.0;
   return job;

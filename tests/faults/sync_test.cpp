@@ -21,7 +21,7 @@ std::map<std::string, int> harmless_syncs() {
       // Of a table's first record, which the sync of the whole table covers.
       {"sync /out.ply.work/input.pss/inputs.new", 1},
   };
-  for (const char* store : {"input", "normals", "result"}) {
+  for (const char* store : {"input", "normals", "smooth"}) {
     // The name of the log; its second name, which says no more than the end record in it.
     syncs[fmt::format("sync directory /out.ply.work/{}.pss", store)] = 2;
     // Of the tiles, whose records the sync of the end record covers, too.

@@ -2,6 +2,7 @@
 
 #include "io/convert.h"
 
+#include "io/open.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/formats/las/las_bytes.h"

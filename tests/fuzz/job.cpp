@@ -2,7 +2,8 @@
 
 #include "stream/jobs/job.h"
 
-#include "stream/jobs/smooth_json.h"
+#include "stream/jobs/run_job.h"
+#include "stream/jobs/smooth_kind.h"
 #include "tests/fuzz/allocations.h"
 #include "tests/fuzz/target.h"
 
@@ -11,9 +12,10 @@ namespace pss::test {
 std::vector<Bytes> seeds() {
   std::vector<Bytes> all;
   for (const std::string_view text :
-       {R"({"program":"pss","version":1,"command":"smooth","output":"/b%FF.las",)"
+       {R"({"program":"pss","version":2,"command":"smooth","output":"/b%FF.las",)"
         R"("sorting":{"tile-points":9},"parameters":{"h":1,"radius":null},)"
         R"("inputs":[{"path":"/a.las","size":1,"modified_ns":2,"content_hash":3}],)"
+        R"("passes":["normals","smooth"],"may_grow":false,)"
         R"("spoiled":"","discarding":false,"complete":true,"result":{"size":1,"modified_ns":2,)"
         R"("hash":"00112233445566778899aabbccddeeff"},"checksum":"0000000000000000"})",
         R"({"ingest":{"points_read":5,"points_stored":5,"largest_move":0.5},"normals":"computed",)"
@@ -36,9 +38,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (record && *record) {
     test::require(difference(**record, **record).empty(), "not the same job as itself");
     static_cast<void>(identity_of(**record));
+    for (const std::string& pass : (*record)->passes)
+      test::require(is_pass_name(pass), "a pass that leads elsewhere");
     test::require(!all_parameters(**record).empty(), "no parameters");
   }
-  SmoothReport report;
-  read_result_summary({reinterpret_cast<const char*>(data), size}, report);
+  const SmoothJob job;
+  SmoothKind kind(job);
+  JobReport report;
+  read_result_summary({reinterpret_cast<const char*>(data), size}, report, kind);
   return 0;
 }

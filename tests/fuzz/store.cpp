@@ -18,6 +18,14 @@ constexpr std::uint64_t kLimit = std::uint64_t{128} << 20;
 
 const std::vector<InputRecord> kInputs = {{"/a.las", 7, 8, 9}, {"/b.las", 1, 2, 3}};
 
+/// Of the store's inputs, and the file that it is exported as.
+struct FormatChoice {
+  const char* name;
+  const char* output;
+};
+constexpr FormatChoice kChoices[] = {
+    {"LAS", "/out.las"}, {"PLY", "/out.ply"}, {"text", "/out.csv"}};
+
 StoreHeader header() {
   StoreHeader header;
   header.schema = small_schema();
@@ -29,17 +37,17 @@ StoreHeader header() {
 }
 
 /// Two inputs with heads of a format, the second without a grid or a coordinate system.
-Result<void> write_inputs(Format format, const Bytes& carried) {
+Result<void> write_inputs(const char* format, const Bytes& carried) {
   PSS_ASSIGN(InputTableWriter table, InputTableWriter::create(kStore, kInputs.size()));
-  const Carry carry{.format = format, .head = carried, .tail = {}};
+  const Carry carry{.family = format, .head = carried, .tail = {}};
   const Lattice grid{{0.01, 0.01, 0.01}, {1, 2, 3}};
-  PSS_TRY(table.add({kInputs[0], format_name(format), grid, {40, 1, 2, 3}}, "EPSG:2994", carry));
+  PSS_TRY(table.add({kInputs[0], format, grid, {40, 1, 2, 3}}, "EPSG:2994", carry));
   PSS_TRY(table.add({kInputs[1], "unknown", {}, {}}, "", carry));
   return table.finish();
 }
 
 /// Two tiles of two blocks each, and an empty one.
-Result<void> write_store(Format format, const Bytes& carried) {
+Result<void> write_store(const char* format, const Bytes& carried) {
   const StoreHeader header = test::header();
   PSS_ASSIGN(StoreWriter writer, StoreWriter::create(kStore, header));
   for (const std::int64_t first : {0, 64}) {
@@ -55,10 +63,11 @@ Result<void> write_store(Format format, const Bytes& carried) {
   return writer.finish("{}");
 }
 
-Bytes written(Format format, std::string_view carried) {
+Bytes written(unsigned char choice, std::string_view carried) {
   const SimulatedDisk disk;
-  require(write_store(format, bytes_of(carried)).has_value(), "cannot write a store");
-  const Bytes parts[] = {{std::byte{static_cast<unsigned char>(format)}},
+  require(write_store(kChoices[choice].name, bytes_of(carried)).has_value(),
+          "cannot write a store");
+  const Bytes parts[] = {{std::byte{choice}},
                          disk.content(manifest_path(kStore)),
                          disk.content(inputs_path(kStore)),
                          disk.content(segment_path(kStore, 0))};
@@ -80,7 +89,7 @@ void use_inputs(const Store& store) {
 }
 
 /// Everything that reads a store: opening, verifying, exporting, going on with it.
-void use(Format format, bool finished) {
+void use(const FormatChoice& choice, bool finished) {
   MemoryBudget budget(kLimit, 1);
   Monitor monitor;
   const auto checked = verify_store(kStore, budget, monitor);
@@ -88,9 +97,7 @@ void use(Format format, bool finished) {
   require(checked.has_value() <= store.has_value(), "verified what cannot be opened");
   if (!store) return require(store.error().fault == Fault::kBadInput, store.error().message);
   if (store->complete()) use_inputs(*store);
-  constexpr const char* kOutputs[] = {"/out.las", "/out.ply", "/out.csv"};
-  const auto exported =
-      export_store(*store, kOutputs[static_cast<std::size_t>(format)], {}, budget, monitor);
+  const auto exported = export_store(*store, choice.output, {}, budget, monitor);
   require(!exported || exported->points == store->points(), "exported another number of points");
   if (!finished) static_cast<void>(StoreWriter::resume(kStore, store->header()).has_value());
 }
@@ -98,11 +105,11 @@ void use(Format format, bool finished) {
 }  // namespace
 
 std::vector<Bytes> seeds() {
-  return {written(Format::kLas, las({.format = 1})),
-          written(Format::kPly,
+  return {written(0, las({.format = 1})),
+          written(1,
                   "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                   "property float y\nproperty float z\nend_header\n"),
-          written(Format::kText,
+          written(2,
                   "pss text 1\nextension csv\nseparator ,\ncounted 0\naxes 0 1 2\n"
                   "header \ncolumn x\ncolumn y\ncolumn z\ncolumn GpsTime\n")};
 }
@@ -120,6 +127,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   disk.put(inputs_path(test::kStore), parts[2]);
   disk.put(segment_path(test::kStore, 0), parts[3]);
   const test::AllocationBound bound(test::kLimit + 256 * size);
-  test::use(static_cast<Format>(choice % 3), finished);
+  test::use(test::kChoices[choice % 3], finished);
   return 0;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "io/open.h"
 #include "tests/io/formats/las/las_bytes.h"
 #include "tests/io/point_files.h"
 #include "tests/support/test_data.h"

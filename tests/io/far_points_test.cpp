@@ -8,7 +8,7 @@
 #include <string>
 
 #include "io/convert.h"
-#include "io/formats/las/las_grid.h"
+#include "io/open.h"
 #include "tests/io/formats/las/las_bytes.h"
 #include "tests/io/point_files.h"
 #include "tests/support/named_numbers.h"
@@ -153,22 +153,6 @@ TEST_F(FarPointsInFiles, AScaleByHandThatMakesPointsOneIsTakenAndSaid) {
   ASSERT_EQ(coarse_summary->notes.size(), 1u);
   EXPECT_NE(coarse_summary->notes[0].find("--scale 10"), std::string::npos);
   EXPECT_TRUE(fine_summary->notes.empty());
-}
-
-TEST(LasGrid, TheNamedGridHoldsAnyBounds) {
-  for (const double side : {1e-9, 1.0, 1e6, 1e15, 1e30, 1e300})
-    for (const double middle : {0.0, -3e6, 1e20}) {
-      const WorldBox bounds{{middle - side, middle, 0}, {middle + side, middle + side / 3, 0}};
-      Lattice grid{{1e-30, 1e-30, 1e-30}, {0, 0, 0}};
-      const auto checked = check_las_grid("a", grid, bounds, bounds);
-      ASSERT_FALSE(checked) << side;
-
-      const std::vector<double> scale = named_numbers(checked.error().message, "--scale");
-      if (!scale.empty()) grid.scale = triple(scale);
-      grid.origin = triple(named_numbers(checked.error().message, "--offset"));
-
-      EXPECT_TRUE(las_grid_holds(grid, bounds)) << checked.error().message;
-    }
 }
 
 }  // namespace

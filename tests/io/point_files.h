@@ -69,7 +69,6 @@ inline double value_at(const Schema& schema, const PointBatch& points, std::size
 /// What a copy of a file's points needs: same schema, same count, header carried on.
 inline WriteOptions copy_options(const CloudHeader& header, std::uint64_t count) {
   WriteOptions options;
-  options.format = header.format;
   options.schema = header.schema;
   options.count = count;
   options.carry = header.carry;

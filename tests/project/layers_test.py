@@ -11,7 +11,7 @@ LAYERS = ["core", "io", "stream", "apps"]
 # The rooms of a layer, from the lowest floor; "." is the layer's own folder. A file knows its own
 # room and those of the floors below: rooms of one floor do not know each other.
 FLOORS = {
-    "io": ["file", "points", "formats/las formats/ply formats/text", ". synth"],
+    "io": ["file", "points", "formats/las formats/ply formats/text", "formats", ". synth"],
     "stream": ["limit", "store", "sort passes", "operators", "widths", "jobs"],
 }
 # (layer, room): how high it lies.
@@ -164,7 +164,10 @@ class LayersOfABadTree(unittest.TestCase):
     def test_an_include_of_a_room_beside_it_is_found(self):
         self.write("stream/sort/a.h", '#include "stream/passes/b.h"\n')
         self.write("io/formats/las/a.h", '#include "io/formats/ply/b.h"\n')
+        self.write("io/formats/ply/a.h", '#include "io/formats/table.h"\n')
+        self.write("io/formats/table.h", '#include "io/formats/las/a.h"\n')
         found = ["io/formats/las/a.h includes io/formats/ply/b.h",
+                 "io/formats/ply/a.h includes io/formats/table.h",
                  "stream/sort/a.h includes stream/passes/b.h"]
         self.assertEqual(upstairs(self.root), found)
 

@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "io/formats/las/las_schema.h"
-#include "io/points/reader.h"
-#include "io/points/writer.h"
+#include "io/open.h"
 #include "stream/sort/ingest.h"
 #include "stream/store/store.h"
 #include "stream/store/verify.h"
@@ -49,7 +48,6 @@ inline Cloud sheet(std::size_t count, std::uint64_t seed) {
 inline void write_cloud(const std::string& path, const Cloud& cloud,
                         const Lattice& grid = las_grid(), const Schema& schema = las_schema()) {
   WriteOptions options;
-  options.format = Format::kLas;
   options.schema = schema;
   options.grid = grid;
   options.scale = grid.scale;

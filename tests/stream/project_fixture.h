@@ -51,6 +51,11 @@ inline Store store_of(const Cloud& cloud, const std::string& path, std::vector<s
   return expect_value(Store::open(path));
 }
 
+/// The limit that leaves `bytes` for parts.
+inline std::uint64_t limit_leaving(std::uint64_t bytes) {
+  return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
+}
+
 inline ProjectParameters fixed_support() {
   ProjectParameters parameters;
   parameters.support = {1.4, 4.2};
@@ -67,7 +72,7 @@ inline ProjectParameters nearest_support() {
   return parameters;
 }
 
-inline Cloud project(const Store& source, const ProjectParameters& parameters,
+inline Cloud project(const Source& source, const ProjectParameters& parameters,
                      const std::string& path, std::uint64_t limit = 512 * kMiB) {
   MemoryBudget budget(limit, 1);
   Monitor monitor;

@@ -202,7 +202,7 @@ class Heads(SystemTest):
         limit = named_limit(self.refused(harness.MEMORY_LIMIT, *words, "--memory-limit",
                                          f"{LEAST}M"))
         process = harness.start(*words, "--memory-limit", f"{limit}M")
-        result = self.path("out.las.work/result.pss/manifest.log")
+        result = self.path("out.las.work/smooth.pss/manifest.log")
         while not result.exists() and not harness.ended(process):
             time.sleep(0.005)
         time.sleep(0.1)

@@ -20,8 +20,7 @@
 #include "core/morton.h"
 #include "core/parallel.h"
 #include "core/simd/targets.h"
-#include "io/points/reader.h"
-#include "io/points/writer.h"
+#include "io/open.h"
 #include "stream/passes/outputs.h"
 
 namespace pss {

@@ -80,7 +80,7 @@ class RefusedInput(Leaves):
     def test_no_sentence_is_part_of_what_is_compared(self):
         self.refused(USAGE, "smooth", self.scan, "-o", self.out, "--buffer", 0.001)
         record = json.loads((self.out.parent / "out.las.work/job.json").read_text())
-        self.assertEqual(record["version"], 1)
+        self.assertEqual(record["version"], 2)
         for part in ("sorting", "parameters"):
             for key, value in record[part].items():
                 self.assertNotEqual(key, "why")

@@ -28,7 +28,7 @@ def stage_of(work):
         return "end" if (work.parent / "out.las").exists() else "start"
     if any(work.parent.glob(".out.las.*.pss-part")):
         return "write"
-    for name, stage in (("result.pss", "smooth"), ("normals.pss", "normals")):
+    for name, stage in (("smooth.pss", "smooth"), ("normals.pss", "normals")):
         if (work / name / "manifest").exists():
             return "write" if stage == "smooth" else "smooth"
         if (work / name / "manifest.log").exists():

@@ -43,7 +43,7 @@ class Refusals(SystemTest):
                 words = ["smooth", source, "-o", self.path("out.las"), *option]
                 run = self.refused(BAD_INPUT, *words, says=["positions from (-1.3", option[0]])
                 self.assertNotIn("neighbours", run.err)
-                self.assertFalse(self.path("out.las.work/result.pss").exists())
+                self.assertFalse(self.path("out.las.work/smooth.pss").exists())
             self.early(BAD_INPUT, "export", self.store, "-o", self.path("out.las"), *option,
                        says=["positions from (-1.3"])
 

@@ -25,7 +25,7 @@ class OtherResult(PlacesTest):
         """The result of a job that kept its work."""
         work = self.fresh("kept")
         self.ok(*words, "--work-dir", work, "--keep-work")
-        return work / "result.pss"
+        return work / "smooth.pss"
 
     def unfinished(self, output):
         """A job that was killed when it had sorted and computed all, before it wrote any output."""
@@ -37,11 +37,11 @@ class OtherResult(PlacesTest):
         self.fresh("here")
         run = traced(f"renameat2:signal=SIGKILL:when={last}", self.words("--restart"))
         self.assertNotEqual(run.returncode, DONE)
-        self.assertTrue((self.work / "result.pss/manifest").exists())
+        self.assertTrue((self.work / "smooth.pss/manifest").exists())
 
     def told_at_once(self, code, says):
         """Refused before any stage of work, with the work as it was."""
-        result = self.work / "result.pss"
+        result = self.work / "smooth.pss"
         before = tree(result)
         run = self.refused(code, *self.words("--progress", "json"), says=says)
         self.assertEqual(self.stages(run) - {"check"}, set())
@@ -66,9 +66,9 @@ class OtherResult(PlacesTest):
                 with self.subTest(f"{output} {what}"):
                     foreign = self.kept(*words)
                     self.unfinished(output)
-                    shutil.rmtree(self.work / "result.pss")
-                    shutil.copytree(foreign, self.work / "result.pss")
-                    self.told_at_once(FAILED, [self.work / "result.pss", "--restart"])
+                    shutil.rmtree(self.work / "smooth.pss")
+                    shutil.copytree(foreign, self.work / "smooth.pss")
+                    self.told_at_once(FAILED, [self.work / "smooth.pss", "--restart"])
                     self.ends_right(self.whole(output))
                 self.path("a.las").unlink(missing_ok=True)
                 self.path("b.las").unlink(missing_ok=True)
@@ -90,20 +90,20 @@ class OtherResult(PlacesTest):
             for name, place in (("manifest", 0), ("manifest", 0.5), ("manifest", 1)):
                 with self.subTest(f"{output} {name} {place}"):
                     self.unfinished(output)
-                    flip(self.work / "result.pss" / name, place)
-                    self.told_at_once(BAD_INPUT, [self.work / "result.pss" / name])
+                    flip(self.work / "smooth.pss" / name, place)
+                    self.told_at_once(BAD_INPUT, [self.work / "smooth.pss" / name])
                     self.ends_right(self.whole(output))
             with self.subTest(f"{output} segment"):
                 self.unfinished(output)
-                (self.work / "result.pss/segment-000000").unlink()
-                self.told_at_once(BAD_INPUT, [self.work / "result.pss/segment-000000"])
+                (self.work / "smooth.pss/segment-000000").unlink()
+                self.told_at_once(BAD_INPUT, [self.work / "smooth.pss/segment-000000"])
                 self.ends_right(self.whole(output))
 
     @needs_trace
     def test_a_flipped_bit_in_a_results_rows_reaches_no_output(self):
         for output in ("out.las", "out.pss"):
             self.unfinished(output)
-            segment = self.work / "result.pss/segment-000000"
+            segment = self.work / "smooth.pss/segment-000000"
             good = segment.read_bytes()
             for place in (0, len(good) // 3, len(good) - 1):
                 with self.subTest(f"{output} {place}"):

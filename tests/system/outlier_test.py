@@ -200,7 +200,7 @@ class Grid(SystemTest):
 
     def refused_grid(self, *words):
         """Refused before anything was sorted or projected."""
-        run = self.refused(BAD_INPUT, *words, "--progress", "plain", says=["do not fit into LAS"])
+        run = self.refused(BAD_INPUT, *words, "--progress", "plain", says=["do not fit into 32-bit integers"])
         for stage in ("merge ", "smooth ", "write ", "convert "):
             self.assertNotIn("\n" + stage, "\n" + run.err)
         return run

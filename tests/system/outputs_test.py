@@ -54,7 +54,7 @@ class Clashes(SystemTest):
     def untouched(self, out):
         """Whether nothing was sorted and nothing written."""
         self.assertFalse(out.exists())
-        for name in ("runs", "input.pss", "result.pss"):
+        for name in ("runs", "input.pss", "smooth.pss"):
             self.assertFalse((out.parent / f"{out.name}.work" / name).exists(), name)
 
     def test_every_output_is_refused_before_the_work_where_an_input_has_its_attribute(self):

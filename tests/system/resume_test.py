@@ -27,7 +27,7 @@ class ResumeTest(SystemTest):
                 spacings * harness.torus_spacing(self.points), "--progress", "none", "--memory-limit",
                 "192M", *more]
 
-    def start_and_wait_for_tiles(self, words=None, store="result.pss"):
+    def start_and_wait_for_tiles(self, words=None, store="smooth.pss"):
         """A job that has begun to write its result, or another store."""
         work = self.path("out.las.work")
         self.assertFalse(work.exists())

@@ -190,7 +190,7 @@ class FileSizeLimit(SystemTest):
         for name in ("out.las", "out.pss"):
             refusals = self.check(["smooth", scan, "--h", 0.02, "--tile-points", 5000,
                                    "--outputs", "normals"], self.path(name), resumes=True)
-            for file in ("/input.pss/", "/result.pss/"):
+            for file in ("/input.pss/", "/smooth.pss/"):
                 self.assertTrue(any(file in refusal for refusal in refusals), refusals)
             if name == "out.las":
                 self.assertNotIn(".work", refusals[-1])

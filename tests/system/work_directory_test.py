@@ -7,7 +7,7 @@ import harness
 from harness import DONE, FAILED
 from places import PlacesTest, kinds, tree
 
-INSIDE = ("runs", "input.pss", "normals.pss", "result.pss", "replaced.pss", "probe")
+INSIDE = ("runs", "input.pss", "normals.pss", "smooth.pss", "replaced.pss", "probe")
 
 
 class WorkDirectory(PlacesTest):
@@ -59,7 +59,7 @@ class WorkDirectory(PlacesTest):
             (self.work / "runs").mkdir(parents=True)
             (self.work / "runs" / "run-000000").write_text("somebody's\n")
             (self.work / "runs" / "log").write_text("somebody's\n")
-            shutil.copytree(self.store, self.work / "result.pss")
+            shutil.copytree(self.store, self.work / "smooth.pss")
             (self.work / "job.json").write_text(text or '{"program": "pss", "version": 99}')
             for more in self.each_way():
                 with self.subTest(f"{what} {more}"):
@@ -105,7 +105,7 @@ class WorkDirectory(PlacesTest):
                 self.out.unlink()
 
     def test_foreign_files_in_what_restart_would_remove_are_named_and_kept(self):
-        for name in ("runs", "input.pss", "result.pss"):
+        for name in ("runs", "input.pss", "smooth.pss"):
             with self.subTest(name):
                 shutil.rmtree(self.work, ignore_errors=True)
                 self.sorted_only(self.out)

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "io/formats/las/las_evlrs.h"
+#include "io/formats/las/las_format.h"
 
 namespace pss {
 namespace {
@@ -59,7 +60,7 @@ Result<LasHead> parse_las_head(std::vector<std::byte> bytes, const std::string& 
 }
 
 Result<Carry> read_las_carry(const File& file, const LasHeader& header, std::uint64_t tail_size) {
-  Carry carry{Format::kLas, std::vector<std::byte>(header.point_offset), {}};
+  Carry carry{std::string(kLasFormat.family), std::vector<std::byte>(header.point_offset), {}};
   PSS_TRY(file.read(0, carry.head));
   carry.tail.reserve(static_cast<std::size_t>(tail_size));
   PSS_TRY(for_each_evlr(file, header, [&](const Evlr& evlr) -> Result<void> {

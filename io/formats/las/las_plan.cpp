@@ -9,8 +9,9 @@
 #include <utility>
 
 #include "io/formats/las/las_file.h"
-#include "io/formats/las/las_grid.h"
+#include "io/formats/las/las_format.h"
 #include "io/formats/las/las_rebuild.h"
+#include "io/points/integer_grid.h"
 
 namespace pss {
 namespace {
@@ -39,7 +40,8 @@ LasHead fresh_head(const Schema& schema) {
 }
 
 bool carries_las(const WriteOptions& options) {
-  return options.carry && options.carry->format == Format::kLas && !options.carry->head.empty();
+  return options.carry && options.carry->family == kLasFormat.family &&
+         !options.carry->head.empty();
 }
 
 Result<LasHead> base_head(const std::string& path, WriteOptions& options, const Schema& schema) {
@@ -200,7 +202,7 @@ Result<LasPlan> plan_las(const std::string& path, WriteOptions& options) {
                            : !las_traits(head.header.point_format).extended;
   std::optional<Lattice> carried_grid;
   if (carried) carried_grid = head.header.grid();
-  const Lattice grid = choose_las_grid(options, carried_grid, plan.notes);
+  const Lattice grid = choose_integer_grid(options, carried_grid, plan.notes);
   head.header.scale = grid.scale;
   head.header.offset = grid.origin;
   if (carried && head.header.has_evlrs()) plan.tail = std::move(options.carry->tail);

@@ -9,6 +9,7 @@
 
 #include "io/file/bytes.h"
 #include "io/formats/las/las_crs.h"
+#include "io/formats/las/las_format.h"
 #include "io/formats/las/las_survey.h"
 
 namespace pss {
@@ -110,7 +111,7 @@ Result<std::unique_ptr<Reader>> open_las_holding(HeadBytes bytes, const std::str
   LasHead& head = survey.head;
   CloudHeader header;
   header.path = path;
-  header.format = Format::kLas;
+  header.format = kLasFormat.name;
   header.count = head.header.points();
   header.grid = head.header.grid();
   header.bounds = bounds_of(head.header);

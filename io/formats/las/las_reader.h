@@ -14,7 +14,7 @@ namespace pss {
 /// Errors: kFailed where it cannot be opened; kBadInput for LAZ, a damaged header, or a file with
 ///         fewer points than its header promises.
 Result<std::unique_ptr<Reader>> open_las(const std::string& path);
-/// The same; what is held of the head is as open_reader() says.
+/// The same; what is held of the head is as open_reader_holding() says.
 Result<std::unique_ptr<Reader>> open_las_holding(HeadBytes bytes, const std::string& path);
 
 }  // namespace pss

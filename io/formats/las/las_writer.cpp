@@ -238,10 +238,10 @@ Result<void> check_options(const WriteOptions& options) {
 
 }  // namespace
 
-Result<void> check_las(const std::string& path, WriteOptions options) {
+Result<std::optional<Lattice>> plan_las_grid(const std::string& path, WriteOptions options) {
   PSS_TRY(check_options(options));
-  PSS_TRY(plan_las(path, options));
-  return {};
+  PSS_ASSIGN(const LasPlan plan, plan_las(path, options));
+  return plan.header.grid();
 }
 
 Result<std::unique_ptr<Writer>> create_las(const std::string& path, WriteOptions options) {

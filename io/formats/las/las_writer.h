@@ -2,6 +2,7 @@
 // Creates uncompressed LAS files, or carries an input's header, VLRs and EVLRs on.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "core/result.h"
@@ -17,7 +18,7 @@ namespace pss {
 ///         kFailed where the file cannot be created.
 Result<std::unique_ptr<Writer>> create_las(const std::string& path, WriteOptions options);
 
-/// The errors of create_las() but kFailed, without a file.
-Result<void> check_las(const std::string& path, WriteOptions options);
+/// The grid that create_las() would round positions to. Its errors but kFailed; touches no file.
+Result<std::optional<Lattice>> plan_las_grid(const std::string& path, WriteOptions options);
 
 }  // namespace pss

@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "io/formats/ply/ply_format.h"
 #include "io/formats/ply/ply_layout.h"
 #include "io/points/raw_value.h"
 
@@ -173,7 +174,7 @@ PlyPlan Planner::finish(PlyHeader header, std::uint64_t count) {
 Result<PlyPlan> plan_ply(const std::string& path, const WriteOptions& options) {
   Planner planner(options);
   PlyHeader header;
-  if (options.carry && options.carry->format == Format::kPly) {
+  if (options.carry && options.carry->family == kPlyFormat.family) {
     const auto& head = options.carry->head;
     PSS_ASSIGN(header,
                parse_ply_header({reinterpret_cast<const char*>(head.data()), head.size()}, path));

@@ -8,6 +8,7 @@
 
 #include "io/file/file.h"
 #include "io/formats/ply/ply_bodies.h"
+#include "io/formats/ply/ply_format.h"
 
 namespace pss {
 namespace {
@@ -46,11 +47,11 @@ CloudHeader cloud_header(const std::string& path, const PlyHeader& header, std::
                          std::vector<std::byte> head) {
   CloudHeader cloud;
   cloud.path = path;
-  cloud.format = Format::kPly;
+  cloud.format = kPlyFormat.name;
   cloud.count = header.elements[vertex].count;
   head.resize(static_cast<std::size_t>(header.size));
   cloud.carry_size = head.size();
-  cloud.carry = {.format = Format::kPly, .head = std::move(head), .tail = {}};
+  cloud.carry = {.family = std::string(kPlyFormat.family), .head = std::move(head), .tail = {}};
   cloud.warnings = warnings_of(header, vertex);
   return cloud;
 }

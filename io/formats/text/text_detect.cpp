@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "io/file/file.h"
 #include "io/formats/text/text_names.h"
 #include "io/points/numbers.h"
 

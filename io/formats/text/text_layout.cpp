@@ -78,16 +78,6 @@ std::string_view comment_prefix(std::string_view line) {
   return line.starts_with("//") ? line.substr(0, 2) : std::string_view();
 }
 
-std::string extension_of(const std::string& path) {
-  const std::size_t dot = path.find_last_of("./");
-  if (dot == std::string::npos || path[dot] != '.') return "";
-  if (dot == 0 || path[dot - 1] == '/') return "";  // the name of a hidden file
-  std::string extension = path.substr(dot + 1);
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
-}
-
 std::vector<std::byte> pack(const TextLayout& layout) {
   std::string text = fmt::format("{}\nextension {}\nseparator {}\ncounted {}\naxes {} {} {}\n",
                                  kMagic, layout.extension, layout.separator, layout.counted ? 1 : 0,

@@ -38,9 +38,6 @@ void split_cells(std::string_view line, char separator, std::vector<std::string_
 /// "#" or "//" where a line begins so, otherwise nothing.
 std::string_view comment_prefix(std::string_view line);
 
-/// "CSV" of "dir/name.CSV" in lower case.
-std::string extension_of(const std::string& path);
-
 /// The layout as bytes for Carry, and back.
 std::vector<std::byte> pack(const TextLayout& layout);
 /// Errors: kBadInput for other bytes.

@@ -7,6 +7,9 @@
 #include <array>
 #include <utility>
 
+#include "io/file/file.h"
+#include "io/formats/text/text_format.h"
+
 namespace pss {
 namespace {
 
@@ -134,7 +137,7 @@ void Planner::note_columns() {
 
 Result<TextPlan> plan_text(const std::string& path, const WriteOptions& options) {
   const std::string extension = extension_of(path);
-  if (!options.carry || options.carry->format != Format::kText)
+  if (!options.carry || options.carry->family != kTextFormat.family)
     return Planner(usual_layout(extension), options.schema).plan(false);
   PSS_ASSIGN(TextLayout source, unpack_text_layout(options.carry->head));
   const bool same = source.extension == extension;

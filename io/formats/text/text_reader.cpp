@@ -8,6 +8,7 @@
 
 #include "io/file/line_source.h"
 #include "io/formats/text/text_detect.h"
+#include "io/formats/text/text_format.h"
 #include "io/points/numbers.h"
 
 namespace pss {
@@ -42,9 +43,9 @@ TextReader::TextReader(LineSource lines, TextStart start)
     : lines_(std::move(lines)), start_(std::move(start)) {
   const TextLayout& layout = start_.layout;
   header_.path = lines_.path();
-  header_.format = Format::kText;
+  header_.format = kTextFormat.name;
   header_.count = start_.count;
-  header_.carry = {.format = Format::kText, .head = pack(layout), .tail = {}};
+  header_.carry = {.family = std::string(kTextFormat.family), .head = pack(layout), .tail = {}};
   header_.carry_size = header_.carry.head.size();
   for (std::size_t i = 0; i < layout.columns.size(); ++i) {
     axes_.push_back(layout.axis(i));

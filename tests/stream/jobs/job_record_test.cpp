@@ -30,6 +30,8 @@ TEST(JobRecord, ComesBackWhole) {
   JobRecord record = some_record();
   record.complete = record.discarding = true;
   record.spoiled = "a.las has changed";
+  record.passes = {"distances", "round-2"};
+  record.may_grow = true;
   record.result = FileContent{5, -2, {18446744073709551615u, 7}};
 
   const JobRecord found = expect_value(read_again(to_text(record)));
@@ -38,6 +40,8 @@ TEST(JobRecord, ComesBackWhole) {
   EXPECT_EQ(found.inputs, record.inputs);
   EXPECT_EQ(found.spoiled, record.spoiled);
   EXPECT_TRUE(found.complete && found.discarding);
+  EXPECT_EQ(found.passes, record.passes);
+  EXPECT_TRUE(found.may_grow);
   EXPECT_TRUE(same_bytes(*found.result, *record.result));
   EXPECT_EQ(found.result->modified_ns, -2);
   EXPECT_EQ(difference(found, record), "");
@@ -74,13 +78,25 @@ TEST(JobRecord, ThatIsNotWholeIsNone) {
 
 TEST(JobRecord, OfAnotherVersionIsRefusedByName) {
   std::string text = to_text(some_record());
-  const std::string version = "\"version\": 1";
-  text.replace(text.find(version), version.size(), "\"version\": 2");
+  const std::string version = "\"version\": 2";
+  text.replace(text.find(version), version.size(), "\"version\": 3");
   // Its own checksum fits: that version wrote it.
   const auto refused = read_again(text);
 
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().fault, Fault::kBadInput);
+}
+
+TEST(JobRecord, WhosePassesLeadOutOfTheDirectoryOrOntoOtherStoresIsNone) {
+  for (const std::string name : {"../out", "a/b", "", ".", "input", "replaced", "A", "a.pss"}) {
+    JobRecord record = some_record();
+    record.passes = {"smooth", name};
+
+    const auto found = read_again(to_text(record));
+
+    ASSERT_FALSE(found) << name;
+    EXPECT_EQ(found.error().fault, Fault::kBadInput);
+  }
 }
 
 TEST(JobRecord, NamesTheFirstDifference) {

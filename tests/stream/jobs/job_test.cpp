@@ -7,7 +7,8 @@
 #include <fstream>
 #include <optional>
 
-#include "stream/jobs/smooth_json.h"
+#include "stream/jobs/run_job.h"
+#include "stream/jobs/smooth_kind.h"
 #include "stream/sort/run_log.h"
 #include "stream/store/manifest.h"
 #include "tests/stream/store_fixture.h"
@@ -19,15 +20,23 @@ namespace {
 using test::expect_ok;
 using test::expect_value;
 
+JobRequest places(std::vector<std::string> inputs, std::string output, std::string work_dir) {
+  JobRequest request;
+  request.inputs = std::move(inputs);
+  request.output = std::move(output);
+  request.work_dir = std::move(work_dir);
+  return request;
+}
+
 TEST(Places, OfAJobMustNotEndangerEachOther) {
   test::TemporaryDirectory folder;
   std::ofstream(folder / "a.las") << "points";
   const std::string work = folder / "w";
 
-  EXPECT_TRUE(check_places({{folder / "a.las"}, folder / "b.las", work}));
-  EXPECT_FALSE(check_places({{work + "/a.las"}, folder / "b.las", work}));
-  EXPECT_FALSE(check_places({{folder / "a.las"}, work + "/../w/b.las", work}));
-  EXPECT_FALSE(check_places({{folder / "a.las"}, folder / "b.las", folder.path().string()}));
+  EXPECT_TRUE(check_places(places({folder / "a.las"}, folder / "b.las", work)));
+  EXPECT_FALSE(check_places(places({work + "/a.las"}, folder / "b.las", work)));
+  EXPECT_FALSE(check_places(places({folder / "a.las"}, work + "/../w/b.las", work)));
+  EXPECT_FALSE(check_places(places({folder / "a.las"}, folder / "b.las", folder.path().string())));
   EXPECT_TRUE(exists(folder / "a.las"));
 }
 
@@ -36,16 +45,16 @@ TEST(Places, OfAStoreThatIsReplacedHoldNoInput) {
   expect_ok(make_directories(folder / "s.pss"));
   std::ofstream(folder / "s.pss/a.las") << "points";
 
-  EXPECT_FALSE(check_places({{folder / "s.pss/a.las"}, folder / "s.pss", folder / "w"}));
+  EXPECT_FALSE(check_places(places({folder / "s.pss/a.las"}, folder / "s.pss", folder / "w")));
 }
 
 TEST(Places, OfAStoreLieOnOneDisk) {
   test::TemporaryDirectory folder;
   ASSERT_FALSE(same_disk(folder.path().string(), "/proc"));  // where no file is kept
 
-  EXPECT_TRUE(check_places({{}, folder / "s.pss", folder / "w"}));
-  EXPECT_FALSE(check_places({{}, folder / "s.pss", "/proc/w"}));
-  EXPECT_TRUE(check_places({{}, folder / "s.las", "/proc/w"}));
+  EXPECT_TRUE(check_places(places({}, folder / "s.pss", folder / "w")));
+  EXPECT_FALSE(check_places(places({}, folder / "s.pss", "/proc/w")));
+  EXPECT_TRUE(check_places(places({}, folder / "s.las", "/proc/w")));
 }
 
 class JobStages : public ::testing::Test {
@@ -63,6 +72,7 @@ class JobStages : public ::testing::Test {
     record.output = places_.output;
     record.sorting = R"({"tile-points":9})";
     record.parameters = parameters_;
+    record.passes = {"smooth"};
     record.inputs = {expect_value(fingerprint(places_.inputs[0]))};
     return record;
   }
@@ -89,7 +99,7 @@ class JobStages : public ::testing::Test {
   bool work_is_there() const { return exists(places_.work_directory()); }
 
   test::TemporaryDirectory folder_;
-  JobPlaces places_;
+  JobRequest places_;
   std::string parameters_ = R"({"radius":1.5})";
   Monitor monitor_;
 };
@@ -144,7 +154,7 @@ TEST_F(JobStages, KeepTheirRecordInAFolderThatWasNamed) {
 TEST_F(JobStages, KnowTheirOutputWhenStoppedJustAfterTheRename) {
   {
     Job job = expect_value(enter());
-    make_store(job.work().result_store());
+    make_store(job.work().pass_store("smooth"));
     write_output(job, "result");
   }
   EXPECT_TRUE(expect_value(enter()).complete());
@@ -152,7 +162,7 @@ TEST_F(JobStages, KnowTheirOutputWhenStoppedJustAfterTheRename) {
 }
 
 TEST_F(JobStages, AreResumedWithEqualParametersOnly) {
-  { make_store(expect_value(enter()).work().result_store()); }
+  { make_store(expect_value(enter()).work().pass_store("smooth")); }
   EXPECT_TRUE(expect_value(enter()).resumed());
   parameters_ = R"({"radius":2})";
 
@@ -234,11 +244,11 @@ TEST_F(JobStages, BeginAgainWhenTheOutputIsGone) {
 TEST_F(JobStages, EndTheDiscardingThatWasStopped) {
   {
     Job job = expect_value(enter());
-    make_store(job.work().result_store());
+    make_store(job.work().pass_store("smooth"));
     JobRecord discarded = job.record();
     discarded.discarding = true;
     expect_ok(job.work().write_record(discarded));
-    std::filesystem::remove(manifest_path(job.work().result_store()));
+    std::filesystem::remove(manifest_path(job.work().pass_store("smooth")));
   }
   parameters_ = R"({"radius":2})";
 
@@ -250,12 +260,12 @@ TEST_F(JobStages, PutTheNewStoreInPlaceOfTheOldOne) {
   make_store(places_.output);
   places_.overwrite = true;
   Job job = expect_value(enter());
-  make_store(job.work().result_store(), 6);
+  make_store(job.work().pass_store("smooth"), 6);
   const auto old_bytes = test::bytes_of(places_.output + "/segment-000000");
-  const auto new_bytes = test::bytes_of(job.work().result_store() + "/segment-000000");
+  const auto new_bytes = test::bytes_of(job.work().pass_store("smooth") + "/segment-000000");
   ASSERT_NE(old_bytes, new_bytes);
 
-  expect_ok(job.hand_over_store(job.work().result_store()));
+  expect_ok(job.hand_over_store(job.work().pass_store("smooth")));
 
   EXPECT_EQ(test::bytes_of(places_.output + "/segment-000000"), new_bytes);
   expect_ok(job.leave());
@@ -285,10 +295,12 @@ TEST_F(JobStages, AreRunByOneProcessAtATime) {
 }
 
 TEST(ResultSummary, OfOtherTypesIsNotTaken) {
-  SmoothReport report;
+  const SmoothJob job;
+  SmoothKind kind(job);
+  JobReport report;
 
-  read_result_summary(R"({"store_bytes":7,"notes":3,"widths":{"h":"wide"}})", report);
-  read_result_summary(R"({"store_bytes":7})", report);
+  read_result_summary(R"({"store_bytes":7,"notes":3,"widths":{"h":"wide"}})", report, kind);
+  read_result_summary(R"({"store_bytes":7})", report, kind);
 
   EXPECT_EQ(report.store_bytes, 7u);
 }

@@ -6,6 +6,7 @@
 
 #include "io/convert.h"
 #include "io/synth/synth.h"
+#include "stream/jobs/job_state.h"
 #include "stream/jobs/smooth.h"
 #include "tests/stream/store_fixture.h"
 #include "tests/support/test_data.h"
@@ -77,7 +78,7 @@ TEST(SmoothFiles, TheStateOfAJobThatWritesSaysHowLargeItIs) {
 TEST(SmoothFiles, AllStaysWhereTheWorkIsToBeKept) {
   const test::TemporaryDirectory folder;
   SmoothJob job = small_job(folder);
-  job.options.keep_work = true;
+  job.keep_work = true;
   const AtWriting seen = run(job);
 
   EXPECT_TRUE(seen.input_was_there);

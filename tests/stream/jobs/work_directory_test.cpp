@@ -90,7 +90,7 @@ TEST(WorkDirectory, RefusesARecordNestedWithoutEnd) {
 }
 
 TEST(WorkDirectory, RefusesLinksUnderTheNamesOfAJob) {
-  for (const char* name : {"runs", "input.pss", "normals.pss", "result.pss", "replaced.pss"}) {
+  for (const char* name : {"runs", "input.pss", "normals.pss", "smooth.pss", "replaced.pss"}) {
     test::TemporaryDirectory folder;
     expect_ok(make_directories(folder / "theirs"));
     { expect_ok(expect_value(WorkDirectory::open(folder / "w")).write_record(some_record())); }

@@ -50,7 +50,8 @@ Store store_of(const Cloud& cloud, const std::string& path) {
   return expect_value(Store::open(path));
 }
 
-Store projected(const Store& source, const ProjectParameters& parameters, const std::string& path) {
+Store projected(const Source& source, const ProjectParameters& parameters,
+                const std::string& path) {
   MemoryBudget budget(std::uint64_t{512} << 20, 1);
   Monitor monitor;
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
@@ -70,7 +71,9 @@ std::vector<Index3> places_by_tiles(const Cloud& cloud, const ProjectParameters&
   ProjectParameters first_pass = parameters;
   first_pass.method = normals_method(parameters.method);
   first_pass.only_normals = true;
-  const Store with_normals = projected(points, first_pass, folder / "normals.pss");
+  const Store normals = projected(points, first_pass, folder / "normals.pss");
+  Source with_normals(points);
+  test::expect_ok(with_normals.join(normals));
   return expect_value(test::read_all(projected(with_normals, parameters, folder / "result.pss")))
       .positions;
 }

@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "core/parallel.h"
+#include "stream/passes/part_needs.h"
 #include "tests/stream/project_fixture.h"
 
 namespace pss {
@@ -26,19 +27,15 @@ class StopWithinSecondTile : public Monitor {
   std::atomic<bool> stopping_ = false;
 };
 
-/// The limit that leaves `bytes` for parts.
-std::uint64_t limit_leaving(std::uint64_t bytes) {
-  return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
-}
-
 /// What the first tile takes as one part.
 std::uint64_t bytes_of_first_tile(const Store& source, const ProjectParameters& parameters) {
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
-  const PartLoader loader(source, op.needs());
+  const Source points(source);
+  const PartLoader loader(points, op.needs());
   PartPlan plan = expect_value(loader.plan({0, 0, source.tiles()[0].blocks}));
-  plan.around = op.around(plan);
+  plan.around = op.neighbourhood().around(plan);
   expect_ok(loader.plan_near(plan, source.points()));
-  return op.bytes(plan);
+  return part_bytes(op, plan);
 }
 
 TEST(Project, EqualsTheSameComputationInMemory) {
@@ -155,7 +152,7 @@ TEST(Project, WidensTheHaloUntilEveryKthNeighbourIsCertain) {
   MemoryBudget budget(512 * kMiB, 1);
   Monitor monitor;
 
-  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+  const auto summary = expect_value(run_operator(Source(source), op, writer, budget, monitor));
   expect_ok(writer.finish("{}"));
 
   EXPECT_GT(summary.reloaded_parts, 0u);
@@ -175,7 +172,7 @@ TEST(Project, GoesOnAfterAnInterruptionWithTheSameRows) {
   for (bool done = false; !done;) {
     StopWithinSecondTile monitor;
     StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
-    const auto summary = run_operator(source, op, writer, budget, monitor);
+    const auto summary = run_operator(Source(source), op, writer, budget, monitor);
     done = summary.has_value();
     if (done) {
       expect_ok(writer.finish("{}"));
@@ -199,14 +196,14 @@ TEST(Project, PassesOverEmptyTilesAndRecordsThem) {
   const ProjectOperator op = expect_value(ProjectOperator::create(source, fixed_support()));
   MemoryBudget budget(512 * kMiB, 1);
   Monitor monitor;
-  EXPECT_EQ(expect_value(estimate_operator(source, op, budget)).own_points, kPoints);
+  EXPECT_EQ(expect_value(estimate_operator(Source(source), op, budget)).own_points, kPoints);
   {
     StoreWriter writer = expect_value(StoreWriter::create(folder / "r.pss", op.result_header()));
     expect_ok(writer.commit_tile(source.tiles()[0].cell, 0));
   }
   StoreWriter writer = expect_value(StoreWriter::resume(folder / "r.pss", op.result_header()));
 
-  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
+  const auto summary = expect_value(run_operator(Source(source), op, writer, budget, monitor));
   expect_ok(writer.finish("{}"));
 
   EXPECT_EQ(summary.tiles, 4u);
@@ -230,7 +227,7 @@ TEST(Project, RefusesWhatDoesNotFitWithPlaceAndLimit) {
   MemoryBudget budget(limit_leaving(kMiB / 4), 1);
   Monitor monitor;
 
-  const auto summary = run_operator(source, op, writer, budget, monitor);
+  const auto summary = run_operator(Source(source), op, writer, budget, monitor);
 
   ASSERT_FALSE(summary);
   EXPECT_EQ(summary.error().fault, Fault::kMemoryLimit);

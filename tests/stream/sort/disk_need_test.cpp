@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "io/open.h"
 #include "io/synth/synth.h"
 #include "stream/sort/ingest_memory.h"
 #include "tests/stream/ingest_fixture.h"
@@ -33,7 +34,6 @@ class RunSizes : public Monitor {
 void write_scan(const std::string& path, const SynthOptions& options) {
   const auto reader = expect_value(SynthReader::create(options));
   WriteOptions to;
-  to.format = Format::kLas;
   to.schema = reader->header().schema;
   to.grid = reader->header().grid;
   to.scale = to.grid->scale;
@@ -62,7 +62,7 @@ Shares predicted(SynthOptions scan, const IngestOptions& options = {}) {
   RunSizes monitor(folder / "work/runs");
   MemoryBudget budget = test::budget_of(24 << 20);
   const auto plan = expect_value(plan_ingest({folder / "a.las"}, options, monitor));
-  const auto memory = expect_value(divide_memory(plan.header, plan.points, budget));
+  const auto memory = expect_value(divide_memory(plan.header, plan.points, plan.unit, budget));
 
   const double bytes =
       expect_value(sample_bytes(plan, options.source_column, memory.chunk_points, monitor));

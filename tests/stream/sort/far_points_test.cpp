@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 
+#include "io/formats/table.h"
 #include "stream/sort/ingest.h"
 #include "stream/store/export.h"
 #include "tests/stream/ingest_fixture.h"
@@ -175,7 +176,7 @@ TEST_F(FarPoints, ALasOutputAsksForMoreThanTheLattice) {
   write_text(folder_ / "a.xyz", unit_grid(60) + point(0, 0, 1e8));
   IngestOptions options;
   EXPECT_TRUE(plan({folder_ / "a.xyz"}, options).has_value());
-  options.las_output.emplace();
+  options.gridded_output.emplace();
 
   const std::string message = refusal({folder_ / "a.xyz"}, options);
 
@@ -194,8 +195,8 @@ TEST_F(FarPoints, AScaleThatIsChosenAnewForLasIsLookedAtToo) {
   test::write_cloud(folder_ / "a.las", cloud, {{0.001, 0.001, 0.001}, {0, 0, 0}});
   test::write_cloud(folder_ / "b.las", cloud, {{0.001, 0.001, 0.001}, {0, 0, 3e6}});
   IngestOptions options;
-  options.las_output.emplace();
-  options.las_output->scale_auto = true;
+  options.gridded_output.emplace();
+  options.gridded_output->scale_auto = true;
 
   EXPECT_TRUE(plan({folder_ / "a.las"}, options).has_value());
   const std::string message = refusal({folder_ / "a.las", folder_ / "b.las"}, options);
@@ -207,12 +208,12 @@ TEST_F(FarPoints, AScaleByHandThatCannotHoldThePointsIsRefusedByThePlan) {
   write_text(folder_ / "a.xyz", unit_grid(60));
   test::write_cloud(folder_ / "b.las", test::sheet(1000, 1));
   IngestOptions options;
-  options.las_output.emplace();
-  options.las_output->scale = World3{1e-9, 1e-9, 1e-9};
+  options.gridded_output.emplace();
+  options.gridded_output->scale = World3{1e-9, 1e-9, 1e-9};
 
   for (const char* name : {"a.xyz", "b.las"}) {
     const std::string message = refusal({folder_ / name}, options);
-    EXPECT_NE(message.find("do not fit into LAS"), std::string::npos) << message;
+    EXPECT_NE(message.find("do not fit into 32-bit integers"), std::string::npos) << message;
     EXPECT_NE(message.find("use --scale="), std::string::npos) << message;
   }
 }
@@ -224,7 +225,7 @@ TEST_F(FarPoints, OfAStoreAreNamedByTheirRowWhicheverTileTheyAreIn) {
   ASSERT_GT(store.tiles().size(), 4u);
   Monitor monitor;
 
-  const auto refused = check_export(store, 0, Format::kLas, {}, monitor);
+  const auto refused = check_export(store, 0, kLasFormat, {}, monitor);
 
   // The highest by far is the last in key order.
   ASSERT_FALSE(refused.has_value());
@@ -239,10 +240,10 @@ TEST_F(FarPoints, AStoreIsCheckedBeforeItIsExported) {
   const Store store = expect_value(Store::open(folder_ / "s.pss"));
   Monitor monitor;
 
-  const auto chosen = check_export(store, 0, Format::kLas, {}, monitor);
+  const auto chosen = check_export(store, 0, kLasFormat, {}, monitor);
   const auto by_hand =
-      check_export(store, 0, Format::kLas, {.scale = World3{0.2, 0.2, 0.2}}, monitor);
-  const auto ply = check_export(store, 0, Format::kPly, {}, monitor);
+      check_export(store, 0, kLasFormat, {.scale = World3{0.2, 0.2, 0.2}}, monitor);
+  const auto ply = check_export(store, 0, kPlyFormat, {}, monitor);
 
   ASSERT_FALSE(chosen.has_value());
   EXPECT_NE(chosen.error().message.find("z = 100000000 "), std::string::npos)

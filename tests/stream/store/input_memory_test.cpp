@@ -29,7 +29,7 @@ std::string scan(const test::TemporaryDirectory& folder, std::uint32_t vlrs) {
 }
 
 LeastMemory work(std::uint64_t bytes) {
-  return [bytes](const StoreHeader&, std::uint64_t) { return bytes; };
+  return [bytes](const StoreHeader&, std::uint64_t, std::size_t) { return bytes; };
 }
 
 /// The limit, in bytes, that a refusal names.
@@ -81,8 +81,7 @@ TEST(InputMemory, OfAStoreIsKnownBeforeItsHeaderIsRead) {
   header.inputs = digest_of(inputs);
   const std::string path = folder / "s.pss";
   StoreWriter writer = expect_value(StoreWriter::create(path, header));
-  expect_ok(
-      test::write_inputs(path, inputs, {Format::kLas, std::vector<std::byte>(20 * kMiB), {}}));
+  expect_ok(test::write_inputs(path, inputs, {"LAS", std::vector<std::byte>(20 * kMiB), {}}));
   expect_ok(writer.finish("{}"));
   MemoryBudget small(96 * kMiB, 2);
   MemoryBudget large(512 * kMiB, 2);
@@ -112,23 +111,33 @@ TEST(MemoryBudget, NamesALimitUnderWhichWhatItRefusedFits) {
   }
 }
 
-TEST(IngestMemory, SucceedsWithWhatItSaysIsTheLeastWhateverTheRowsAndPoints) {
+/// Asks for the least, and a little more or less, of rows of so many bytes.
+void expect_least(std::uint32_t row, std::uint64_t points, std::size_t unit) {
+  StoreHeader header;
+  if (row > 0) header.schema.add({"bytes", Type::kUint8, row, 1, 0, {}});
+  const std::uint64_t least = least_ingest_memory(header, points, unit);
+  for (const std::uint64_t more : {std::uint64_t{0}, std::uint64_t{1}, least / 7, least}) {
+    const auto memory = divide_memory(header, points, unit, test::budget_of(least + more));
+    ASSERT_TRUE(memory.has_value()) << memory.error().message;
+    EXPECT_GE(memory->fan_in, 2u);
+    EXPECT_GE(memory->batches.count, 1u);
+    EXPECT_EQ(memory->batches.points % unit, 0u);
+    EXPECT_GT(memory->chunk_points, memory->batches.points);
+    EXPECT_LE(memory->read_bytes, least + more);
+  }
+  const auto refused = divide_memory(header, points, unit, test::budget_of(least - 1));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_GE(named(refused.error()), test::budget_of(least).limit());
+}
+
+TEST(IngestMemory, SucceedsWithWhatItSaysIsTheLeastWhateverTheRowsPointsAndUnits) {
   for (const std::uint32_t row : {0u, 8u, 300u, 4000u, 65000u})
-    for (const std::uint64_t points : {0ul, 100ul, 300000ul, 2000000000ul}) {
-      StoreHeader header;
-      if (row > 0) header.schema.add({"bytes", Type::kUint8, row, 1, 0, {}});
-      const std::uint64_t least = least_ingest_memory(header, points);
-      for (const std::uint64_t more : {0ul, 1ul, least / 7, least}) {
-        const auto memory = divide_memory(header, points, test::budget_of(least + more));
-        ASSERT_TRUE(memory.has_value()) << row << " " << points << " " << memory.error().message;
-        EXPECT_GE(memory->fan_in, 2u);
-        EXPECT_GE(memory->chunk_points, memory->batch_points);
-        EXPECT_LE(memory->read_bytes, least + more);
+    for (const std::uint64_t points : {0ul, 100ul, 300000ul, 2000000000ul})
+      for (const std::size_t unit : {1u, 64u, 65u, 8000u, 50000u, 20000000u}) {
+        SCOPED_TRACE(std::to_string(row) + " " + std::to_string(points) + " " +
+                     std::to_string(unit));
+        expect_least(row, points, unit);
       }
-      const auto refused = divide_memory(header, points, test::budget_of(least - 1));
-      ASSERT_FALSE(refused.has_value());
-      EXPECT_GE(named(refused.error()), test::budget_of(least).limit());
-    }
 }
 
 TEST(StoreHeader, IsComparedWithItsBytesAsTheyLie) {

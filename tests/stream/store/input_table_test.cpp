@@ -19,7 +19,7 @@ const std::vector<InputRecord> kInputs = {
     {"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}, {"c.xyz", 3, 4, 5}};
 
 Carry carry_of(std::size_t bytes) {
-  return {Format::kPly, std::vector<std::byte>(bytes, std::byte{4}), {std::byte{1}}};
+  return {"PLY", std::vector<std::byte>(bytes, std::byte{4}), {std::byte{1}}};
 }
 
 TEST(InputTable, GivesBackWhatWasWrittenOfEachInput) {

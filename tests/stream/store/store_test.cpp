@@ -15,9 +15,7 @@ using test::expect_value;
 
 const std::vector<InputRecord> kInputs = {{"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}};
 
-Carry rich_carry() {
-  return {Format::kPly, std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}};
-}
+Carry rich_carry() { return {"PLY", std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}}; }
 
 StoreHeader rich_header() {
   StoreHeader header;

@@ -52,7 +52,8 @@ TEST(NearestSearch, FindsTheNearestDistinctPositionsOfTheWholeStore) {
   const std::vector<Index3> points = some_points(3000, 5);
   const Store store = store_of(points, folder / "s.pss", 400);
   MemoryBudget budget(512u << 20, 1);
-  NearestSearch search(store, budget);
+  const Source source(store);
+  NearestSearch search(source, budget);
 
   for (std::size_t i = 0; i < points.size(); i += 101)
     for (const std::size_t k : {1u, 16u, 300u})
@@ -63,7 +64,8 @@ TEST(NearestSearch, FindsAllWhereThereAreFewer) {
   test::TemporaryDirectory folder;
   const Store store = store_of({{0, 0, 0}, {0, 0, 0}, {1, 0, 0}}, folder / "s.pss", 2);
   MemoryBudget budget(512u << 20, 1);
-  NearestSearch search(store, budget);
+  const Source source(store);
+  NearestSearch search(source, budget);
 
   EXPECT_EQ(expect_value(search.nearest({0, 0, 0}, 1)).size(), 1u);
   EXPECT_EQ(expect_value(search.nearest({0, 0, 0}, 2)).size(), 1u);

@@ -55,7 +55,7 @@ class PlyWriterTest : public ::testing::Test {
 
   static Carry carry(const std::string& head) {
     const auto bytes = std::as_bytes(std::span(head));
-    return {Format::kPly, {bytes.begin(), bytes.end()}, {}};
+    return {"PLY", {bytes.begin(), bytes.end()}, {}};
   }
 
   TemporaryDirectory directory_;

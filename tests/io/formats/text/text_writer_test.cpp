@@ -142,7 +142,7 @@ TEST_F(TextWriterTest, WritesGridPositionsAsDecimals) {
 }
 
 TEST_F(TextWriterTest, WritesTheShortestNumberWithinWhatIsKnownOfAPosition) {
-  WriteOptions options{.format = Format::kText, .count = 1};
+  WriteOptions options{.count = 1};
   options.grid = Lattice{{0x1p-24, 0x1p-24, 0x1p-24}, {0, 0, 0}};
   options.tolerance = 0x1p-25;
   PointBatch points;
@@ -191,7 +191,7 @@ TEST_F(TextWriterTest, RefusesMorePointsThanAnnounced) {
 
 TEST_F(TextWriterTest, RefusesADamagedLayout) {
   WriteOptions options;
-  options.carry = Carry{Format::kText, {std::byte{'x'}}, {}};
+  options.carry = Carry{"text", {std::byte{'x'}}, {}};
 
   const auto written = try_write(directory_ / "a.xyz", options, {});
 
