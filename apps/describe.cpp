@@ -65,10 +65,33 @@ Json parsed(const std::string& text) {
   return value.is_discarded() ? Json(text) : value;
 }
 
-Json input_paths(const std::vector<InputRecord>& inputs) {
+/// The coordinate system of the first input that has one; the others have none or the same.
+Result<Json> describe_crs(const InputTable& inputs) {
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    PSS_ASSIGN(const std::string crs, inputs.crs(i));
+    if (!crs.empty()) return Json(crs);
+  }
+  return Json();
+}
+
+Result<Json> input_paths(const InputTable& inputs) {
   Json paths = Json::array();
-  for (const InputRecord& input : inputs) paths.push_back(input.path);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    PSS_ASSIGN(const InputFacts facts, inputs.facts(i));
+    paths.push_back(facts.record.path);
+  }
   return paths;
+}
+
+/// What is known of the inputs once the store is complete.
+Result<void> describe_inputs(Json& facts, const Store& store) {
+  if (!store.complete() || store.header().inputs.count == 0) return {};
+  PSS_ASSIGN(const InputTable inputs, store.inputs());
+  PSS_ASSIGN(const InputFacts first, inputs.facts(0));
+  facts["source_format"] = first.format;
+  PSS_ASSIGN(facts["crs"], describe_crs(inputs));
+  PSS_ASSIGN(facts["inputs"], input_paths(inputs));
+  return {};
 }
 
 bool is_table(const Json& value) {
@@ -130,10 +153,11 @@ Result<Json> describe_file(Reader& reader, bool scan) {
   return facts;
 }
 
-Json describe_store(const Store& store) {
+Result<Json> describe_store(const Store& store) {
   const StoreHeader& header = store.header();
   Json facts{{"path", store.path()},
              {"kind", "store"},
+             {"producer", store.producer()},
              {"complete", store.complete()},
              {"points", store.points()},
              {"tiles", store.tiles().size()},
@@ -146,15 +170,13 @@ Json describe_store(const Store& store) {
                                                    .max = to_world(header.lattice, box.max)});
   facts["lattice"] = {{"step", header.lattice.scale}, {"origin", header.lattice.origin}};
   if (header.grid) describe_grid(facts, *header.grid);
-  facts["source_format"] = header.source_format;
-  facts["crs"] = header.crs.empty() ? Json() : Json(header.crs);
   facts["bytes_on_disk"] = store.bytes_on_disk();
   if (store.points() > 0)
     facts["bytes_per_point"] = std::round(100 * static_cast<double>(store.bytes_on_disk()) /
                                           static_cast<double>(store.points())) /
                                100;
   facts["attributes"] = describe_schema(header.schema);
-  facts["inputs"] = input_paths(header.inputs);
+  PSS_TRY(describe_inputs(facts, store));
   if (!header.parameters.empty()) facts["parameters"] = parsed(header.parameters);
   if (!store.summary().empty()) facts["summary"] = parsed(store.summary());
   return facts;

@@ -15,8 +15,10 @@ namespace pss {
 /// Errors: with `scan`, those of reading.
 Result<nlohmann::ordered_json> describe_file(Reader& reader, bool scan);
 
-/// What the manifest says.
-nlohmann::ordered_json describe_store(const Store& store);
+/// What the manifest says and, of a complete store, its table of inputs, without their heads.
+///
+/// Errors: kBadInput where the table is damaged.
+Result<nlohmann::ordered_json> describe_store(const Store& store);
 
 /// How far a job is.
 nlohmann::ordered_json describe_job(const std::string& work_dir, const JobState& state);

@@ -42,7 +42,7 @@ class Export : public Command {
     MemoryBudget budget(limit, thread_count());
     Progress progress(reports_.progress);
     const auto manifest = fingerprint(manifest_path(store_));
-    PSS_ASSIGN(const Reservation header, reserve_header(store_, budget));
+    PSS_ASSIGN(const Reservation header, reserve_header_and_head(store_, budget));
     PSS_ASSIGN(const Store store, Store::open(store_));
     // The header that was reserved must be that of the store that is read.
     if (manifest) PSS_TRY(check_unchanged(*manifest));

@@ -33,7 +33,8 @@ Hash128 hash128_from(std::string_view digits) {
 void StreamHash::Free::operator()(State* state) const { XXH3_freeState(xxh(state)); }
 
 StreamHash::StreamHash() : state_(reinterpret_cast<State*>(XXH3_createState())) {
-  if (state_) XXH3_128bits_reset(xxh(state_.get()));
+  if (!state_) throw std::bad_alloc();  // it comes from malloc, which gives none instead
+  XXH3_128bits_reset(xxh(state_.get()));
 }
 
 void StreamHash::update(std::span<const std::byte> bytes) {
@@ -44,5 +45,8 @@ Hash128 StreamHash::digest() const {
   const XXH128_hash_t hash = XXH3_128bits_digest(xxh(state_.get()));
   return {hash.high64, hash.low64};
 }
+
+/// The state is the same for both lengths of the hash.
+std::uint64_t StreamHash::digest64() const { return XXH3_64bits_digest(xxh(state_.get())); }
 
 }  // namespace pss

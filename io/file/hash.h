@@ -30,6 +30,8 @@ class StreamHash {
   StreamHash();
   void update(std::span<const std::byte> bytes);
   Hash128 digest() const;
+  /// hash64() of the same bytes.
+  std::uint64_t digest64() const;
 
  private:
   struct State;

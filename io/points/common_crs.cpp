@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <utility>
-
 namespace pss {
 namespace {
 
@@ -26,7 +24,5 @@ Result<void> CommonCrs::add(const CloudHeader& header) {
   text_ = header.crs;
   return {};
 }
-
-std::string CommonCrs::take_text() { return std::exchange(text_, {}); }
 
 }  // namespace pss

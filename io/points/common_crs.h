@@ -16,10 +16,6 @@ class CommonCrs {
   /// Errors: kBadInput where the file and one before it have different systems, with both names.
   Result<void> add(const CloudHeader& header);
 
-  /// That of the first file that has one, empty where none has. It is gone afterwards: it may be
-  /// large.
-  std::string take_text();
-
  private:
   std::string path_;  ///< of the file that the text is from
   std::string text_;

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <utility>
 
 #include "io/inputs.h"
 #include "io/open.h"
+#include "stream/store/export.h"
+#include "stream/store/input_table.h"
 
 namespace pss {
 namespace {
@@ -20,6 +23,19 @@ Result<std::string> owner_of(const JobRequest& request, const std::string& attri
   return request.inputs.front();
 }
 
+/// The head that the output would carry on: of the first input, or of that of a complete store.
+Result<std::optional<Carry>> head_for(const JobRequest& request, const StoreHeader& source,
+                                      const Format& format) {
+  const std::string& input = request.inputs.front();
+  if (!is_store_input(request)) {
+    PSS_ASSIGN(const auto reader, open_reader_holding(HeadBytes::kKept, input));
+    return std::optional(reader->header().carry);
+  }
+  if (source.inputs.count == 0) return std::optional<Carry>();
+  PSS_ASSIGN(const InputTable inputs, InputTable::open(input, source.inputs.count));
+  return carried_head(inputs, format);
+}
+
 /// Whether a file of the output's format can hold all attributes, as far as that is known before
 /// there are points.
 Result<void> check_file(const JobRequest& request, const StoreHeader& source,
@@ -29,7 +45,7 @@ Result<void> check_file(const JobRequest& request, const StoreHeader& source,
   WriteOptions options;
   options.schema = result;
   options.grid = source.lattice;
-  options.carry = source.carry;
+  PSS_ASSIGN(options.carry, head_for(request, source, *format));
   return check_writable(request.output, std::move(options));
 }
 

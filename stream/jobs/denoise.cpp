@@ -90,7 +90,7 @@ class DenoiseKind : public JobKind {
   Result<std::optional<Pass>> next(PassContext& job) override;
   void remember(ordered_json& summary) const override;
   void recall(const ordered_json& summary) override;
-  void look_at(const Store& result, JobReport& report) override;
+  Result<void> look_at(const Store& result, JobReport& report) override;
   std::vector<StoreShape> expect(const StoreHeader& source) override;
   double seconds_per_point() const override;
 
@@ -262,7 +262,7 @@ Result<Pass> DenoiseKind::measure(PassContext& job) {
 
 /// Of a count those below the threshold are outliers; of all else those above it.
 Result<Pass> DenoiseKind::select(PassContext& job) {
-  choose_threshold(MeasurementSums::from_bytes(job.done.back().note));
+  choose_threshold(MeasurementSums::from_bytes(job.done.back().note.bytes));
   PSS_ASSIGN(std::unique_ptr<PassSource> source, job.open_input());
   PSS_TRY(job.join(*source, kMeasuring));
   Selection selection = this->selection();
@@ -299,13 +299,14 @@ void DenoiseKind::recall(const ordered_json& summary) {
   choices_.nothing = j.value("nothing", std::uint64_t{0});
 }
 
-void DenoiseKind::look_at(const Store& result, JobReport& report) {
-  for (const TileInfo& tile : result.tiles()) counts_.add(SelectionCounts::from_bytes(tile.note));
+Result<void> DenoiseKind::look_at(const Store& result, JobReport& report) {
+  PSS_ASSIGN(counts_, SelectionCounts::from_note(result.note(), result.path()));
   const std::uint64_t looked = counts_.kept + counts_.outliers();
   if (2 * counts_.outliers() > looked)
     report.notes.push_back(fmt::format(
         "{} of {} points are outliers by this rule: --radius, --knn and --method decide it",
         counts_.outliers(), looked));
+  return {};
 }
 
 std::vector<StoreShape> DenoiseKind::expect(const StoreHeader& source) {

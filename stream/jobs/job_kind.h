@@ -91,8 +91,10 @@ class JobKind {
   virtual void remember(nlohmann::ordered_json& /*summary*/) const {}
   /// Takes it back. Errors: throws nlohmann::json::exception for values of other types.
   virtual void recall(const nlohmann::ordered_json& /*summary*/) {}
-  /// Adds up what the result's tiles noted, and says in `report.notes` what should be known.
-  virtual void look_at(const Store& /*result*/, JobReport& /*report*/) {}
+  /// Takes in what the result notes, and says in `report.notes` what should be known.
+  ///
+  /// Errors: kBadInput where another version of pss wrote its note.
+  virtual Result<void> look_at(const Store& /*result*/, JobReport& /*report*/) { return {}; }
 
   // For --dry-run.
 

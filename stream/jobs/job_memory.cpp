@@ -55,7 +55,7 @@ Result<Reservation> reserve_inputs(const JobRequest& request, const JobKind& kin
                                    MemoryBudget& budget) {
   if (!is_store_input(request))
     return reserve_inputs(request.inputs, least_of(request, kind), budget);
-  PSS_ASSIGN(Reservation header, reserve_header(request.inputs.front(), budget));
+  PSS_ASSIGN(Reservation header, reserve_header_and_head(request.inputs.front(), budget));
   PSS_ASSIGN(const Store store, Store::open(request.inputs.front()));
   const std::uint64_t bytes = memory_of(store.header());
   if (!budget.grow(header, bytes))

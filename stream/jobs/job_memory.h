@@ -16,8 +16,8 @@ namespace pss {
 std::uint64_t least_job_memory(const JobRequest& request, const JobKind& kind,
                                const StoreHeader& header, std::uint64_t points, std::size_t unit);
 
-/// reserve_inputs() for files, reserve_header() for a store, and in both cases the check that the
-/// job's stages have what they need.
+/// reserve_inputs() for files, reserve_header_and_head() for a store, and in both cases the check
+/// that the job's stages have what they need.
 Result<Reservation> reserve_inputs(const JobRequest& request, const JobKind& kind,
                                    MemoryBudget& budget);
 

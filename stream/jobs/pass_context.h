@@ -15,6 +15,7 @@
 #include "stream/jobs/job_request.h"
 #include "stream/limit/memory.h"
 #include "stream/passes/source.h"
+#include "stream/store/note.h"
 #include "stream/store/store.h"
 
 namespace pss {
@@ -48,8 +49,8 @@ class PassSource {
 /// A pass that is complete.
 struct DonePass {
   std::string name;
-  std::uint64_t points = 0;     ///< of its result
-  std::vector<std::byte> note;  ///< its tiles' notes, merged by the operator in row order
+  std::uint64_t points = 0;  ///< of its result
+  Note note;                 ///< its tiles' notes, merged by the operator in row order
 };
 
 /// The job as JobKind::next() sees it.

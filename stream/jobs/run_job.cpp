@@ -88,6 +88,7 @@ class JobRun {
   Result<void> check_first(const Pass& pass);
   Result<void> check_pass_space(const Pass& pass, std::uint64_t present) const;
   Result<DonePass> run_pass(const Pass& pass, const std::string& path);
+  Result<void> finish(const Pass& pass, StoreWriter& result, const Note& note) const;
   Result<void> write(Job& started);
   Result<void> hand_over(Job& started, const std::string& path, std::optional<Store> result);
   void describe_run();
@@ -155,7 +156,7 @@ Result<void> JobRun::compute(Job& started) {
   }
 }
 
-/// Its plan, and the head in it, is gone when the store of the sorted points is opened.
+/// Its plan is gone when the store of the sorted points is opened.
 Result<void> JobRun::sort_input(const Job& started) {
   const WorkDirectory& work = started.work();
   PSS_ASSIGN(const IngestOptions options, ingest_options(request_, kind_));
@@ -212,9 +213,17 @@ Result<DonePass> JobRun::run_pass(const Pass& pass, const std::string& path) {
     PSS_ASSIGN(const ScheduleSummary schedule,
                run_operator(pass.sources(), *pass.op, result, budget_, monitor_));
     timer.set_schedule(schedule);
-    PSS_TRY(result.finish(result_summary(report_, kind_)));
   }
-  return DonePass{pass.name, result.points(), merged_notes(*pass.op, result.tiles())};
+  PSS_ASSIGN(Note note, merged_notes(*pass.op, result.tiles(), path));
+  if (!result.complete()) PSS_TRY(finish(pass, result, note));
+  return DonePass{pass.name, result.points(), std::move(note)};
+}
+
+/// Ends the store of a pass, with the inputs of its source where it knows of any.
+Result<void> JobRun::finish(const Pass& pass, StoreWriter& result, const Note& note) const {
+  if (pass.op->result_header().inputs.count > 0)
+    PSS_TRY(copy_inputs(pass.source().path(), result.path()));
+  return result.finish(result_summary(report_, kind_), note);
 }
 
 /// Reads what the report says of the result, and hands that over.
@@ -226,7 +235,7 @@ Result<void> JobRun::write(Job& started) {
   report_.tiles = result.tiles().size();
   report_.result_bytes = report_.store_bytes = result.bytes_on_disk();
   if (!started.record().passes.empty()) read_result_summary(result.summary(), report_, kind_);
-  kind_.look_at(result, report_);
+  PSS_TRY(kind_.look_at(result, report_));
   return hand_over(started, path, std::move(result));
 }
 

@@ -217,14 +217,14 @@ void SmoothKind::recall(const ordered_json& summary) {
 }
 
 /// Widths that reach too few neighbours, or too many, leave most points where they are.
-void SmoothKind::look_at(const Store& result, JobReport& report) {
-  for (const TileInfo& tile : result.tiles())
-    statistics_.add(ProjectStatistics::from_bytes(tile.note));
+Result<void> SmoothKind::look_at(const Store& result, JobReport& report) {
+  PSS_ASSIGN(statistics_, ProjectStatistics::from_note(result.note(), result.path()));
   const std::uint64_t moved = statistics_.moved();
-  if (2 * moved >= result.points()) return;
+  if (2 * moved >= result.points()) return {};
   report.notes.push_back(fmt::format(
       "only {} of {} points moved; the status says why, --radius, --h and --knn decide it", moved,
       result.points()));
+  return {};
 }
 
 std::vector<StoreShape> SmoothKind::expect(const StoreHeader& source) {

@@ -28,7 +28,7 @@ class SmoothKind : public JobKind {
   Result<std::optional<Pass>> next(PassContext& job) override;
   void remember(nlohmann::ordered_json& summary) const override;
   void recall(const nlohmann::ordered_json& summary) override;
-  void look_at(const Store& result, JobReport& report) override;
+  Result<void> look_at(const Store& result, JobReport& report) override;
   std::vector<StoreShape> expect(const StoreHeader& source) override;
   double seconds_per_point() const override;
 

@@ -65,7 +65,7 @@ MeasureOperator::MeasureOperator(const Source& source, Neighbourhood neighbourho
                                  const std::string& record)
     : header_(source.header()), neighbourhood_(std::move(neighbourhood)), quantum_(quantum) {
   header_.schema = measurement_schema();
-  header_.carry = {};
+  header_.inputs = {};  // the source that the columns are joined to knows them
   header_.parameters = record;
   needs_.row_size = kRowSize;
 }

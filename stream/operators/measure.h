@@ -35,6 +35,8 @@ struct MeasurementSums {
 
   void add(const Measurement& measured, bool excluded);
   void add(const MeasurementSums& other);
+  /// Of these bytes: another layout is another version.
+  static constexpr std::uint32_t kVersion = 1;
   std::vector<std::byte> to_bytes() const;
   /// Bytes of another length give empty sums.
   static MeasurementSums from_bytes(std::span<const std::byte> bytes);
@@ -50,6 +52,7 @@ class MeasureOperator : public Operator {
   const PartNeeds& needs() const override { return needs_; }
   const Neighbourhood& neighbourhood() const override { return neighbourhood_; }
   Rows apply(Part& part, Monitor& monitor) const override;
+  std::uint32_t note_version() const override { return MeasurementSums::kVersion; }
   void merge_note(std::vector<std::byte>& total, std::span<const std::byte> next) const override;
 
   /// The world's units, or whatever the measurement has, of one step of a value.

@@ -120,7 +120,7 @@ void ProjectOperator::choose_normals(const Schema& source) {
 Result<void> ProjectOperator::choose_columns() {
   if (columns_alone()) {
     header_.schema = Schema();
-    header_.carry = {};
+    header_.inputs = {};  // the source that the columns are joined to knows them
     PSS_ASSIGN(columns_, OutputColumns::add_to(header_.schema, kNormals, kComputedPrefix));
   } else {
     PSS_ASSIGN(columns_, OutputColumns::add_to(header_.schema, parameters_.outputs));

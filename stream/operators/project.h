@@ -53,6 +53,7 @@ class ProjectOperator : public Operator {
   const Neighbourhood& neighbourhood() const override { return neighbourhood_; }
   std::uint64_t scratch_bytes(std::uint64_t ball_points) const override;
   Rows apply(Part& part, Monitor& monitor) const override;
+  std::uint32_t note_version() const override { return ProjectStatistics::kVersion; }
   void merge_note(std::vector<std::byte>& total, std::span<const std::byte> next) const override;
 
  private:

@@ -74,4 +74,9 @@ ProjectStatistics ProjectStatistics::from_bytes(std::span<const std::byte> bytes
   return statistics;
 }
 
+Result<ProjectStatistics> ProjectStatistics::from_note(const Note& note, const std::string& store) {
+  PSS_ASSIGN(const std::span<const std::byte> bytes, bytes_of(note, kVersion, store));
+  return from_bytes(bytes);
+}
+
 }  // namespace pss

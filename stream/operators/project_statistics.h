@@ -4,9 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/projection.h"
+#include "core/result.h"
+#include "stream/store/note.h"
 
 namespace pss {
 
@@ -33,9 +36,13 @@ struct ProjectStatistics {
   double rms_displacement() const;
   double rms_residual() const;
 
+  /// Of these bytes: another layout is another version.
+  static constexpr std::uint32_t kVersion = 1;
   std::vector<std::byte> to_bytes() const;
   /// Bytes of another length give empty statistics.
   static ProjectStatistics from_bytes(std::span<const std::byte> bytes);
+  /// Of `store` or a tile of it. Errors: kBadInput where another version of pss wrote its note.
+  static Result<ProjectStatistics> from_note(const Note& note, const std::string& store);
 };
 
 }  // namespace pss

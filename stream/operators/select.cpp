@@ -49,6 +49,11 @@ SelectionCounts SelectionCounts::from_bytes(std::span<const std::byte> bytes) {
   return {numbers[0], numbers[1], numbers[2], numbers[3]};
 }
 
+Result<SelectionCounts> SelectionCounts::from_note(const Note& note, const std::string& store) {
+  PSS_ASSIGN(const std::span<const std::byte> bytes, bytes_of(note, kVersion, store));
+  return from_bytes(bytes);
+}
+
 Result<Schema> selected_schema(const Schema& source, const Selection& selection) {
   Schema schema = without_measurements(source);
   if (selection.classify) {

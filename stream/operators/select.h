@@ -11,6 +11,7 @@
 #include "stream/operators/measure.h"
 #include "stream/operators/selection_counts.h"
 #include "stream/passes/operator.h"
+#include "stream/store/note.h"
 
 namespace pss {
 
@@ -44,6 +45,7 @@ class SelectOperator : public Operator {
   const Neighbourhood& neighbourhood() const override { return neighbourhood_; }
   std::uint64_t scratch_bytes(std::uint64_t) const override { return 0; }
   Rows apply(Part& part, Monitor& monitor) const override;
+  std::uint32_t note_version() const override { return SelectionCounts::kVersion; }
   void merge_note(std::vector<std::byte>& total, std::span<const std::byte> next) const override;
 
  private:

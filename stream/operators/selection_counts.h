@@ -4,7 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
+
+#include "core/result.h"
+#include "stream/store/note.h"
 
 namespace pss {
 
@@ -17,9 +21,13 @@ struct SelectionCounts {
 
   std::uint64_t outliers() const { return low + high; }
   void add(const SelectionCounts& other);
+  /// Of these bytes: another layout is another version.
+  static constexpr std::uint32_t kVersion = 1;
   std::vector<std::byte> to_bytes() const;
   /// Bytes of another length give zeros.
   static SelectionCounts from_bytes(std::span<const std::byte> bytes);
+  /// Of `store` or a tile of it. Errors: kBadInput where another version of pss wrote its note.
+  static Result<SelectionCounts> from_note(const Note& note, const std::string& store);
 };
 
 }  // namespace pss

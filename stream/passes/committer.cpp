@@ -159,7 +159,8 @@ Result<void> Committer::write(FinishedPart& part, const std::vector<EncodedBlock
   const auto now = Clock::now();
   const bool sync = writer_.unsynced_bytes() > kSyncBytes || now - last_sync_ > kSyncTime;
   if (sync) last_sync_ = now;
-  return writer_.commit_tile(part.cell, part.tile, std::exchange(note_, {}), sync);
+  return writer_.commit_tile(part.cell, part.tile,
+                             {operator_.note_version(), std::exchange(note_, {})}, sync);
 }
 
 }  // namespace pss

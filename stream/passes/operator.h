@@ -57,6 +57,8 @@ class Operator {
   /// Leaves early, with anything, when the monitor is stopping.
   virtual Rows apply(Part& part, Monitor& monitor) const = 0;
 
+  /// The version of what merge_note() makes: see Note.
+  virtual std::uint32_t note_version() const = 0;
   /// Adds a block's note to a tile's, or a tile's to that of the store (empty at first).
   virtual void merge_note(std::vector<std::byte>& total, std::span<const std::byte> next) const = 0;
 };

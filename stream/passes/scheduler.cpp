@@ -102,10 +102,13 @@ Result<ScheduleSummary> run_operator(const PassSources& sources, const Operator&
   return summary;
 }
 
-std::vector<std::byte> merged_notes(const Operator& op, std::span<const TileInfo> tiles) {
-  std::vector<std::byte> total;
-  for (const TileInfo& tile : tiles)
-    if (!tile.note.empty()) op.merge_note(total, tile.note);
+Result<Note> merged_notes(const Operator& op, std::span<const TileInfo> tiles,
+                          const std::string& store) {
+  Note total{op.note_version(), {}};
+  for (const TileInfo& tile : tiles) {
+    PSS_ASSIGN(const std::span<const std::byte> bytes, bytes_of(tile.note, total.version, store));
+    if (!bytes.empty()) op.merge_note(total.bytes, bytes);
+  }
   return total;
 }
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
+#include <string>
 
 #include "core/monitor.h"
 #include "core/result.h"
@@ -25,9 +25,12 @@ namespace pss {
 Result<ScheduleSummary> run_operator(const PassSources& sources, const Operator& op,
                                      StoreWriter& result, MemoryBudget& budget, Monitor& monitor);
 
-/// The notes of all tiles of a finished result, merged in their order: what a pass is asked for
+/// The notes of all tiles of the result `store`, merged in their order: what a pass is asked for
 /// that measures something of the whole source.
-std::vector<std::byte> merged_notes(const Operator& op, std::span<const TileInfo> tiles);
+///
+/// Errors: kBadInput where a tile's note is of another version than the operator's.
+Result<Note> merged_notes(const Operator& op, std::span<const TileInfo> tiles,
+                          const std::string& store);
 
 /// What run_operator would do, from the block indexes alone.
 struct ScheduleEstimate {

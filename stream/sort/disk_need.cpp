@@ -129,14 +129,18 @@ Result<void> check_disk(const IngestPlan& plan, const DiskWork& work, const std:
   const auto needed = [](double per_point, std::uint64_t points) {
     return per_point * static_cast<double>(points);
   };
+  // The store keeps the heads of all inputs.
+  const double heads = std::accumulate(
+      plan.head_sizes.begin(), plan.head_sizes.end(), 0.0,
+      [](double sum, std::uint64_t size) { return sum + static_cast<double>(size); });
   double per_point = row_bytes(plan.header.schema);
-  if (room.fits(needed(per_point, work.run_points), needed(per_point, work.store_points)))
+  if (room.fits(needed(per_point, work.run_points), needed(per_point, work.store_points) + heads))
     return {};
   PSS_ASSIGN(const double sampled,
              sample_bytes(plan, work.source_column, work.chunk_points, monitor));
   per_point = std::min(per_point, sampled);
   const double runs = needed(per_point, work.run_points);
-  const double store = needed(per_point, work.store_points);
+  const double store = needed(per_point, work.store_points) + heads;
   if (room.fits(runs, store)) return {};
   return Error{Fault::kFailed,
                fmt::format("the disk is too full: about {:.0f} MB for sorted runs in {} ({:.0f} MB "

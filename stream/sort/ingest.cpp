@@ -40,8 +40,9 @@ std::string stored_summary(IngestSummary summary) {
 struct WrittenRun {
   std::unique_ptr<RunWriter> file;
   RunInfo info;
-  Cursor cursor;          ///< all before it is in the runs
-  IngestSummary summary;  ///< of all before the cursor
+  Cursor cursor;                    ///< all before it is in the runs
+  IngestSummary summary;            ///< of all before the cursor
+  std::vector<InputCounts> counts;  ///< the same of each input
   std::future<Result<void>> synced;
 };
 
@@ -65,6 +66,7 @@ class Ingest {
     PSS_ASSIGN(RunLog log, RunLog::open(runs_folder(work_dir_), plan_.header));
     log_ = std::move(log);
     PSS_ASSIGN(memory_, divide_memory(plan_.header, plan_.points, plan_.unit, budget_));
+    PSS_TRY(check_heads());
     PSS_TRY(check_room());
     PSS_TRY(read_inputs());
     if (!done_) PSS_TRY(merge_runs());
@@ -81,6 +83,23 @@ class Ingest {
 
   Result<Reservation> reserve(std::uint64_t bytes) {
     return budget_.take(bytes, "sorting the input");
+  }
+
+  /// What the input with the largest head takes beyond what is held for the first one's, while that
+  /// head is copied to the store.
+  std::uint64_t more_for_heads() const {
+    if (plan_.head_sizes.empty()) return 0;
+    const std::uint64_t largest = *std::ranges::max_element(plan_.head_sizes);
+    return kHeadCopies * (largest - plan_.head_sizes.front());
+  }
+
+  /// Refuses before any point is read what could not be copied in the end.
+  Result<void> check_heads() const {
+    if (more_for_heads() <= budget_.available()) return {};
+    const auto largest = std::ranges::max_element(plan_.head_sizes) - plan_.head_sizes.begin();
+    return budget_.refusal(
+        fmt::format("{}: its head", plan_.inputs[static_cast<std::size_t>(largest)].path),
+        more_for_heads());
   }
 
   Result<void> check_room() {
@@ -104,7 +123,7 @@ class Ingest {
     monitor_.begin("read", plan_.points);
     monitor_.advance(state.summary.points_read);
     PSS_ASSIGN(Reservation reservation, reserve(memory_.read_bytes));
-    InputStream in(plan_, options_.source_column, state.cursor, state.summary);
+    InputStream in(plan_, options_.source_column, state.cursor, state.summary, state.counts);
     Chunk chunk(memory_.chunk_points, schema().row_size());
     const Result<void> read = read_chunks(in, chunk, reservation, seconds_before, watch);
     PSS_TRY(settle_run());
@@ -118,6 +137,7 @@ class Ingest {
       PSS_TRY(chunk.sort(monitor_));
       PSS_TRY(settle_run());
       summary_ = in.summary();
+      counts_ = in.counts();
       summary_.read_seconds = seconds_before + watch.seconds();
       if (in.ended() && log_->state().runs.empty()) {
         PSS_ASSIGN(done_, write_short(chunk, reservation));
@@ -167,7 +187,7 @@ class Ingest {
     // The disk writes while the next chunk is read.
     auto writer = std::make_unique<RunWriter>(std::move(run));
     auto synced = std::async(std::launch::async, [&file = *writer] { return file.sync(); });
-    written_ = {std::move(writer), info, cursor, summary_, std::move(synced)};
+    written_ = {std::move(writer), info, cursor, summary_, counts_, std::move(synced)};
     return {};
   }
 
@@ -176,7 +196,7 @@ class Ingest {
     if (!written_.synced.valid()) return {};
     PSS_TRY(written_.synced.get());
     written_.file.reset();
-    return log_->add(written_.info, written_.cursor, written_.summary);
+    return log_->add(written_.info, written_.cursor, written_.summary, written_.counts);
   }
 
   /// Everything fits in memory: straight to tiles. False where the tiles' buffers do not fit too.
@@ -215,6 +235,7 @@ class Ingest {
 
   Result<void> merge_runs() {
     summary_ = log_->state().summary;
+    counts_ = log_->state().counts;
     PSS_ASSIGN(const Reservation reservation, reserve(memory_.merge_bytes));
     const auto& runs = log_->state().runs;
     const Stopwatch watch;
@@ -281,10 +302,31 @@ class Ingest {
           Fault::kFailed,
           fmt::format("{}: {} points stored, {} read and {} dropped; use --restart", store_path_,
                       summary_.points_stored, summary_.points_read, summary_.dropped())};
-    PSS_TRY(check_unchanged(plan_.header.inputs));
+    PSS_TRY(write_inputs());
+    PSS_TRY(check_unchanged(plan_.inputs));
     PSS_TRY(store_->finish(stored_summary(summary_)));
     PSS_TRY(remove_runs(runs_folder(work_dir_)));
     return summary_;
+  }
+
+  /// What the store keeps of every input; one head at a time is in memory.
+  Result<void> write_inputs() {
+    if (plan_.inputs.empty()) return {};
+    PSS_ASSIGN(const Reservation memory, reserve(more_for_heads()));
+    PSS_ASSIGN(InputTableWriter table, InputTableWriter::create(store_path_, plan_.inputs.size()));
+    for (std::size_t i = 0; i < plan_.inputs.size(); ++i) {
+      PSS_TRY(check_stopping("copying the heads of the inputs"));
+      PSS_TRY(write_input(i, table));
+    }
+    return table.finish();
+  }
+
+  Result<void> write_input(std::size_t number, InputTableWriter& table) const {
+    const InputRecord& record = plan_.inputs[number];
+    PSS_ASSIGN(const auto reader, plan_.open(record, HeadBytes::kKept, plan_.counts[number]));
+    const CloudHeader& header = reader->header();
+    return table.add({record, header.format, header.grid, counts_[number]}, header.crs,
+                     header.carry);
   }
 
   const IngestPlan& plan_;
@@ -298,7 +340,8 @@ class Ingest {
   std::optional<RunLog> log_;
   WrittenRun written_;
   IngestSummary summary_;
-  bool done_ = false;  ///< all tiles are written, without any run
+  std::vector<InputCounts> counts_;  ///< what summary_ says, of each input
+  bool done_ = false;                ///< all tiles are written, without any run
 };
 
 }  // namespace

@@ -31,10 +31,11 @@ struct IngestOptions {
 /// What of the inputs decides the store: computed before any point is sorted.
 struct IngestPlan {
   StoreHeader header;
-  std::vector<std::string> inputs;
-  std::vector<std::uint64_t> counts;  ///< points a file, as promised or measured
-  std::uint64_t points = 0;           ///< their sum
-  std::size_t unit = 1;               ///< the most records that an input decodes together
+  std::vector<InputRecord> inputs;
+  std::vector<std::uint64_t> counts;      ///< points a file, as promised or measured
+  std::vector<std::uint64_t> head_sizes;  ///< bytes of each one's head and coordinate system
+  std::uint64_t points = 0;               ///< their sum
+  std::size_t unit = 1;                   ///< the most records that an input decodes together
   OpenInput open = open_watched;
   std::optional<WorldBox> drop_outside;
   double spacing = 0;  ///< of the points, where all positions were read for the plan; 0: not known
@@ -77,6 +78,8 @@ Result<IngestSummary> ingest_summary_from_json(const std::string& text);
 /// Interrupted at any moment and called again with an equal plan, it goes on from the last finished
 /// run or merged tile and ends with the same bytes. A complete store returns at once.
 ///
+/// Requires: reserve_inputs(). A head that is larger than the first input's takes more of `budget`,
+///           while it is copied.
 /// Errors: kFailed, beside those of reading and writing, where an input is no longer what the plan
 ///         says: the store stays incomplete, and of the runs each is of the planned files.
 Result<IngestSummary> ingest(const IngestPlan& plan, const std::string& store_path,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "core/parallel.h"
 #include "io/points/positions.h"
@@ -31,8 +32,9 @@ std::optional<std::size_t> position_of(const Schema& schema, const char* name) {
 }  // namespace
 
 InputStream::InputStream(const IngestPlan& plan, bool source_column, const Cursor& from,
-                         const IngestSummary& summary)
-    : plan_(plan), cursor_(from), summary_(summary) {
+                         const IngestSummary& summary, std::vector<InputCounts> counts)
+    : plan_(plan), cursor_(from), summary_(summary), counts_(std::move(counts)) {
+  counts_.resize(plan.inputs.size());
   if (!source_column) return;
   source_file_ = position_of(plan.header.schema, kSourceFile);
   source_record_ = position_of(plan.header.schema, kSourceRecord);
@@ -149,10 +151,16 @@ Result<void> InputStream::place(Batch& batch, std::span<Key> keys,
 }
 
 void InputStream::count(const Batch& batch) {
+  const std::uint64_t not_finite = batch.raw.count - batch.kept - batch.outside;
   summary_.points_read += batch.raw.count;
-  summary_.dropped_not_finite += batch.raw.count - batch.kept - batch.outside;
+  summary_.dropped_not_finite += not_finite;
   summary_.dropped_outside += batch.outside;
   summary_.moved_to_lattice += batch.moved;
+  InputCounts& counts = counts_[cursor_.input];
+  counts.read += batch.raw.count;
+  counts.not_finite += not_finite;
+  counts.outside += batch.outside;
+  counts.moved += batch.moved;
   summary_.largest_move = std::max(summary_.largest_move, batch.largest_move);
   cursor_.record = batch.raw.points.first_record + batch.raw.count;
 }
@@ -164,8 +172,8 @@ Error InputStream::outside(const PointBatch& points, std::size_t i) const {
           fmt::format("{}: record {}: the position ({:.17g}, {:.17g}, {:.17g}) lies outside the "
                       "bounds that the file promised: {} bits of steps of {} from {} do not reach "
                       "it; give a coarser --scale",
-                      plan_.inputs[cursor_.input], points.first_record + i, world[0], world[1],
-                      world[2], kLatticeBits, lattice.scale[0], lattice.origin[0])};
+                      record().path, points.first_record + i, world[0], world[1], world[2],
+                      kLatticeBits, lattice.scale[0], lattice.origin[0])};
 }
 
 std::uint64_t input_memory(const Schema& schema, const Batches& batches) {

@@ -36,7 +36,7 @@ class InputStream {
  public:
   /// Begins at `from`, going on with the counts of all before it.
   InputStream(const IngestPlan& plan, bool source_column, const Cursor& from,
-              const IngestSummary& summary);
+              const IngestSummary& summary, std::vector<InputCounts> counts = {});
 
   /// Adds the points of the next `most` records to `chunk`, or of fewer: up to an input's end, and
   /// so that the last ones are not cut off from others that are decoded with them.
@@ -60,6 +60,8 @@ class InputStream {
   bool ended() const { return cursor_.input == plan_.inputs.size(); }
   const Cursor& cursor() const { return cursor_; }
   const IngestSummary& summary() const { return summary_; }
+  /// The same of each input by itself.
+  const std::vector<InputCounts>& counts() const { return counts_; }
 
  private:
   /// Points of an input between the file and the chunk.
@@ -73,7 +75,7 @@ class InputStream {
     Result<void> result;
   };
   Result<void> open_input();
-  const InputRecord& record() const { return plan_.header.inputs[cursor_.input]; }
+  const InputRecord& record() const { return plan_.inputs[cursor_.input]; }
   void prepare(Batch& batch, const Chunk& chunk) const;
   void write_sources(const PointBatch& points, std::span<std::byte> rows) const;
   Result<void> place(Batch& batch, std::span<Key> keys, std::span<std::byte> rows) const;
@@ -84,6 +86,7 @@ class InputStream {
   const IngestPlan& plan_;
   Cursor cursor_;
   IngestSummary summary_;
+  std::vector<InputCounts> counts_;
   std::optional<std::size_t> source_file_, source_record_;  ///< where in the row
   std::unique_ptr<Reader> reader_;
   std::optional<RowMapper> mapper_;

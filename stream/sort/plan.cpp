@@ -40,10 +40,10 @@ class Planner {
   Planner(std::vector<InputRecord> inputs, const IngestOptions& options, Monitor& monitor)
       : options_(options),
         monitor_(monitor),
-        survey_(plan_.header.inputs, options.open, options.drop_outside, monitor) {
+        survey_(plan_.inputs, options.open, options.drop_outside, monitor) {
     plan_.open = options.open;
-    plan_.header.inputs = std::move(inputs);
-    for (const InputRecord& record : plan_.header.inputs) plan_.inputs.push_back(record.path);
+    plan_.header.inputs = digest_of(inputs);
+    plan_.inputs = std::move(inputs);
   }
 
   Result<IngestPlan> plan() {
@@ -65,28 +65,25 @@ class Planner {
       plan_.header.parameters =
           fmt::format(R"({{"drop-outside":[{},{}]}})", fmt::join(options_.drop_outside->min, ","),
                       fmt::join(options_.drop_outside->max, ","));
-    for (const InputRecord& record : plan_.header.inputs) {
+    CommonCrs crs;
+    for (const InputRecord& record : plan_.inputs) {
       if (monitor_.stopping()) return Error{Fault::kInterrupted, "stopped while reading headers"};
-      // The store keeps the first one's head; of the others only what points are read by is used.
-      PSS_ASSIGN(const auto reader,
-                 options_.open(record, inputs_.empty() ? HeadBytes::kKept : HeadBytes::kLeft, {}));
-      PSS_TRY(crs_.add(reader->header()));
+      PSS_ASSIGN(const auto reader, options_.open(record, HeadBytes::kLeft, {}));
+      PSS_TRY(crs.add(reader->header()));
       PSS_TRY(take_unit(*reader));
       take(record, reader->header());
     }
-    plan_.header.crs = crs_.take_text();
     return {};
   }
 
   void take(const InputRecord& record, const CloudHeader& header) {
     if (inputs_.empty()) {
-      plan_.header.carry = header.carry;
-      plan_.header.source_format = header.format;
       plan_.header.schema = header.schema;
     } else if (header.schema != last_schema_) {
       plan_.header.schema = unite(plan_.header.schema, header.schema);
     }
     last_schema_ = header.schema;
+    plan_.head_sizes.push_back(header.carry_size + header.crs.size());
     inputs_.push_back({record, header.grid, kept(header.bounds), {}, header.count.value_or(0)});
     for (const std::string& warning : header.warnings)
       plan_.notes.push_back(fmt::format("{}: {}", record.path, warning));
@@ -112,7 +109,7 @@ class Planner {
     if (schema.row_size() <= kMaxRowSize) return {};
     return Error{Fault::kBadInput,
                  fmt::format("{}: points with {} bytes of attributes found, {} are supported",
-                             plan_.inputs[0], schema.row_size(), kMaxRowSize)};
+                             plan_.inputs[0].path, schema.row_size(), kMaxRowSize)};
   }
 
   Result<void> add_source_column(Schema& schema) const {
@@ -228,7 +225,7 @@ class Planner {
         Fault::kBadInput,
         fmt::format("{}: positions from {} to {} are too far apart for any lattice; leave "
                     "some out with --drop-outside",
-                    plan_.inputs[0], survey_.bounds().min[axis], survey_.bounds().max[axis])};
+                    plan_.inputs[0].path, survey_.bounds().min[axis], survey_.bounds().max[axis])};
   }
 
   void note_moves() {
@@ -256,7 +253,6 @@ class Planner {
   std::vector<Input> inputs_;
   InputSurvey survey_;  ///< of the inputs whose positions were all read
   Schema last_schema_;
-  CommonCrs crs_;
 };
 
 }  // namespace

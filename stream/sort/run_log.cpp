@@ -56,10 +56,31 @@ IngestSummary get_summary(ByteReader& r) {
   return s;
 }
 
+void put(ByteWriter& w, const InputCounts& counts) {
+  w.put(counts.read);
+  w.put(counts.not_finite);
+  w.put(counts.outside);
+  w.put(counts.moved);
+}
+
+InputCounts get_counts(ByteReader& r) {
+  InputCounts counts;
+  counts.read = r.get<std::uint64_t>();
+  counts.not_finite = r.get<std::uint64_t>();
+  counts.outside = r.get<std::uint64_t>();
+  counts.moved = r.get<std::uint64_t>();
+  return counts;
+}
+
 Error other_plan(const std::string& folder) {
   return {Fault::kFailed, fmt::format("{}: holds the runs of other inputs or parameters; use "
                                       "--restart",
                                       folder)};
+}
+
+/// The number of inputs that are read up to a cursor, in part or whole.
+std::uint64_t inputs_up_to(const Cursor& cursor, std::uint64_t inputs) {
+  return std::min(cursor.input + 1, inputs);
 }
 
 }  // namespace
@@ -83,6 +104,7 @@ Result<void> remove_runs(const std::string& folder) {
 Result<RunLog> RunLog::open(const std::string& folder, const StoreHeader& header) {
   RunLog log;
   log.folder_ = folder;
+  log.state_.counts.resize(header.inputs.count);
   PSS_TRY(make_directories(directory_of(folder)));
   PSS_TRY(make_own_directory(folder));
   if (!exists(log_path(folder))) {
@@ -107,9 +129,7 @@ Result<void> RunLog::visit(const LogRecord& record, const StoreHeader& header) {
   ByteReader reader(record.payload);
   const RunInfo run = get_run(reader);
   if (kind == Kind::kRun) {
-    state_.cursor.input = reader.get<std::uint64_t>();
-    state_.cursor.record = reader.get<std::uint64_t>();
-    state_.summary = get_summary(reader);
+    read_cursor(reader);
     state_.runs.push_back(run);
     state_.next_id = run.id + 1;
     if (reader.finished()) return {};
@@ -124,6 +144,18 @@ Result<void> RunLog::visit(const LogRecord& record, const StoreHeader& header) {
   return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the record makes no sense; "
                                              "use --restart",
                                              log_path(folder_), record.offset)};
+}
+
+/// How far a run reaches, and the counts of the inputs that it is of.
+void RunLog::read_cursor(ByteReader& reader) {
+  const std::uint64_t first = state_.cursor.input;
+  state_.cursor.input = reader.get<std::uint64_t>();
+  state_.cursor.record = reader.get<std::uint64_t>();
+  state_.summary = get_summary(reader);
+  if (state_.cursor.input < first || state_.cursor.input > state_.counts.size())
+    return reader.fail();
+  for (std::uint64_t i = first; i < inputs_up_to(state_.cursor, state_.counts.size()); ++i)
+    state_.counts[i] = get_counts(reader);
 }
 
 void RunLog::replace_in_state(std::size_t count, const RunInfo& run) {
@@ -141,17 +173,21 @@ Result<void> RunLog::remove_merged() {
   return {};
 }
 
-Result<void> RunLog::add(const RunInfo& run, const Cursor& cursor, const IngestSummary& summary) {
+Result<void> RunLog::add(const RunInfo& run, const Cursor& cursor, const IngestSummary& summary,
+                         std::span<const InputCounts> counts) {
   std::vector<std::byte> payload;
   ByteWriter writer(payload);
   put(writer, run);
   writer.put(cursor.input);
   writer.put(cursor.record);
   put(writer, summary);
+  for (std::uint64_t i = state_.cursor.input; i < inputs_up_to(cursor, counts.size()); ++i)
+    put(writer, counts[i]);
   PSS_TRY(log_->append(static_cast<std::uint32_t>(Kind::kRun), payload));
   PSS_TRY(log_->sync());
   state_.cursor = cursor;
   state_.summary = summary;
+  state_.counts.assign(counts.begin(), counts.end());
   state_.runs.push_back(run);
   state_.next_id = run.id + 1;
   return {};

@@ -11,6 +11,8 @@
 #include "core/result.h"
 #include "stream/sort/ingest.h"
 #include "stream/sort/run.h"
+#include "stream/store/bytes.h"
+#include "stream/store/input_table.h"
 #include "stream/store/log.h"
 
 namespace pss {
@@ -25,8 +27,9 @@ struct Cursor {
 
 /// What a killed ingest goes on from.
 struct IngestState {
-  Cursor cursor;          ///< all before it is in the runs
-  IngestSummary summary;  ///< of all before the cursor
+  Cursor cursor;                    ///< all before it is in the runs
+  IngestSummary summary;            ///< of all before the cursor
+  std::vector<InputCounts> counts;  ///< the same of each input
   std::vector<RunInfo> runs;
   std::uint64_t next_id = 0;
 };
@@ -51,13 +54,17 @@ class RunLog {
   const std::string& folder() const { return folder_; }
 
   /// A run holds all points between the cursor and `cursor`; durable when this returns.
-  Result<void> add(const RunInfo& run, const Cursor& cursor, const IngestSummary& summary);
+  ///
+  /// Shape: `counts` has one element an input.
+  Result<void> add(const RunInfo& run, const Cursor& cursor, const IngestSummary& summary,
+                   std::span<const InputCounts> counts);
   /// A run takes the place of the first `count` runs, whose files are removed.
   Result<void> replace(std::size_t count, const RunInfo& run);
 
  private:
   RunLog() = default;
   Result<void> visit(const LogRecord& record, const StoreHeader& header);
+  void read_cursor(ByteReader& reader);
   void replace_in_state(std::size_t count, const RunInfo& run);
   Result<void> remove_merged();
   std::string folder_;

@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "io/formats/table.h"
 #include "io/inputs.h"
 #include "io/open.h"
 #include "io/points/integer_grid.h"
@@ -13,13 +14,14 @@
 namespace pss {
 namespace {
 
-WriteOptions write_options(const Store& store, const Format& format, const ExportOptions& options) {
+Result<WriteOptions> write_options(const Store& store, const Format& format,
+                                   const ExportOptions& options) {
   const StoreHeader& header = store.header();
   WriteOptions write;
   write.schema = header.schema;
   write.grid = header.lattice;
   write.count = store.points();
-  write.carry = header.carry;
+  PSS_ASSIGN(write.carry, carried_head(store, format));
   write.bounds = world_bounds_of(store);
   write.rules = options.rules;
   // Positions that came as floating point are known to half a step of their lattice.
@@ -73,6 +75,18 @@ Lattice export_grid(const StoreHeader& header, const WorldBox& bounds, double ma
   return grid;
 }
 
+Result<std::optional<Carry>> carried_head(const InputTable& inputs, const Format& format) {
+  PSS_ASSIGN(const InputFacts facts, inputs.facts(0));
+  const Format* first = find_format(facts.format);
+  return first && first->family == format.family ? inputs.head(0) : std::optional<Carry>();
+}
+
+Result<std::optional<Carry>> carried_head(const Store& store, const Format& format) {
+  if (store.header().inputs.count == 0) return std::optional<Carry>();
+  PSS_ASSIGN(const InputTable inputs, store.inputs());
+  return carried_head(inputs, format);
+}
+
 std::uint64_t export_memory(std::size_t row_size, std::uint64_t points) {
   return 4 * std::min<std::uint64_t>(points, kBlockPoints) * (64 + 2 * row_size);
 }
@@ -96,8 +110,8 @@ Result<ExportSummary> export_store(const Store& store, const std::string& output
   if (!options.checked) {
     PSS_ASSIGN(note, check_export(store, 0, *format, options, monitor));
   }
-  PSS_ASSIGN(const std::unique_ptr<Writer> writer,
-             create_writer(output, write_options(store, *format, options)));
+  PSS_ASSIGN(WriteOptions write, write_options(store, *format, options));
+  PSS_ASSIGN(const std::unique_ptr<Writer> writer, create_writer(output, std::move(write)));
   monitor.begin("write", store.points(), store.tiles().size());
   PointBatch batch;
   for (std::size_t t = 0; t < store.tiles().size(); ++t) {

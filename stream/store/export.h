@@ -56,11 +56,19 @@ Result<std::string> check_export(
     const Store& store, double margin, const Format& format, const ExportOptions& options,
     Monitor& monitor, const char* advice = "make the store without such points, by pss tile with");
 
-/// What export_store() takes of the limit, beside the header.
+/// The head of a complete store's first input, where it is one for a file of this format's family.
+///
+/// Requires: reserve_header_and_head(), or reserve_inputs() of that input.
+Result<std::optional<Carry>> carried_head(const Store& store, const Format& format);
+/// The same of a table that has inputs.
+Result<std::optional<Carry>> carried_head(const InputTable& inputs, const Format& format);
+
+/// What export_store() takes of the limit, beside the header and the first input's head.
 std::uint64_t export_memory(std::size_t row_size, std::uint64_t points);
 
 /// Writes the rows of a complete store in order.
 ///
+/// Requires: as carried_head().
 /// Errors: kBadInput for a damaged or incomplete store, or a place that the format cannot hold;
 ///         kUsage for a scale or offset of a format without an integer grid.
 Result<ExportSummary> export_store(const Store& store, const std::string& output,

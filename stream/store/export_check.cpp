@@ -25,7 +25,7 @@ Result<void> visit_blocks(const Store& store, const Monitor& monitor, const Visi
       PSS_TRY(store.read_positions(tile, block, indices));
       std::ranges::transform(indices, positions.begin(),
                              [&](const Index3& i) { return to_world(store.header().lattice, i); });
-      PSS_TRY(visit(tile.first_row + block.first_row, positions));
+      PSS_TRY(visit(block.first_row, positions));
     }
   }
   return {};

@@ -41,13 +41,33 @@ Error refusal(const std::vector<std::string>& inputs, const Asked& asked,
               const MemoryBudget& budget) {
   const std::uint64_t left = budget.available();
   const std::uint64_t most = asked.held() + std::max(asked.work, budget.usual());
-  return {
-      Fault::kMemoryLimit,
-      fmt::format("{}: the names of {} inputs take {} MiB of memory, {} copies of this one's "
-                  "head {} MiB, and the work at least {} MiB, but the limit leaves {} MiB; use "
-                  "--memory-limit {}M or more",
-                  inputs.front(), inputs.size(), mib(asked.names), kHeaderCopies, mib(asked.head),
-                  mib(asked.work), left / kMiB, sufficient_mib(budget.limit(), left, most))};
+  return {Fault::kMemoryLimit,
+          fmt::format("{}: the names of {} inputs take {} MiB of memory, {} copies of this one's "
+                      "head {} MiB, and the work at least {} MiB, but the limit leaves {} MiB; use "
+                      "--memory-limit {}M or more",
+                      inputs.front(), inputs.size(), mib(asked.names), kHeadCopies, mib(asked.head),
+                      mib(asked.work), left / kMiB, sufficient_mib(budget.limit(), left, most))};
+}
+
+/// A store that is not complete may have no table of inputs yet, and none that is whole.
+Result<std::uint64_t> first_head_size(const std::string& store) {
+  if (!exists(manifest_path(store)) || !exists(inputs_path(store))) return std::uint64_t{0};
+  PSS_ASSIGN(const InputTable inputs, InputTable::open(store));
+  return inputs.size() > 0 ? inputs.head_size(0) : std::uint64_t{0};
+}
+
+/// Where there is no store, none: whoever opens it says why not.
+Result<std::uint64_t> header_size(const std::string& store) {
+  if (!is_store(store)) return std::uint64_t{0};
+  const std::string manifest = manifest_path(store);
+  return first_record_size(exists(manifest) ? manifest : open_manifest_path(store));
+}
+
+Result<Reservation> take(const std::string& store, const char* what, std::uint64_t bytes,
+                         MemoryBudget& budget) {
+  if (auto reservation = budget.reserve(bytes)) return *std::move(reservation);
+  return budget.refusal(fmt::format("{}: the {} with its work", store, what),
+                        bytes + budget.usual());
 }
 
 }  // namespace
@@ -61,7 +81,7 @@ Result<Reservation> reserve_inputs(const std::vector<std::string>& inputs, const
   header.schema = cloud.schema;
   Asked asked;
   asked.names = memory_of_names(inputs);
-  asked.head = kHeaderCopies * (cloud.carry_size + cloud.crs.size());
+  asked.head = kHeadCopies * (cloud.carry_size + cloud.crs.size());
   // Of the first alone: how many points the others have is known, and asked for, once all are
   // opened.
   asked.work = least(header, cloud.count.value_or(0), first->unit());
@@ -78,13 +98,15 @@ Result<void> check_least(const StoreHeader& header, std::uint64_t points, std::s
 }
 
 Result<Reservation> reserve_header(const std::string& store, MemoryBudget& budget) {
-  if (!is_store(store)) return Reservation();  // whoever opens it says why not
-  const std::string manifest = manifest_path(store);
-  PSS_ASSIGN(const std::uint64_t size,
-             first_record_size(exists(manifest) ? manifest : open_manifest_path(store)));
-  const std::uint64_t bytes = kHeaderCopies * size;
-  if (auto reservation = budget.reserve(bytes)) return *std::move(reservation);
-  return budget.refusal(fmt::format("{}: the header with its work", store), bytes + budget.usual());
+  PSS_ASSIGN(const std::uint64_t header, header_size(store));
+  return take(store, "header", kHeaderCopies * header, budget);
+}
+
+Result<Reservation> reserve_header_and_head(const std::string& store, MemoryBudget& budget) {
+  PSS_ASSIGN(const std::uint64_t header, header_size(store));
+  PSS_ASSIGN(const std::uint64_t head, first_head_size(store));
+  return take(store, "header and its first input's head",
+              kHeaderCopies * header + kHeadCopies * head, budget);
 }
 
 }  // namespace pss

@@ -38,5 +38,7 @@ Result<void> check_least(const StoreHeader& header, std::uint64_t points, std::s
 ///
 /// Errors: kMemoryLimit, with a limit that leaves usual work its room.
 Result<Reservation> reserve_header(const std::string& store, MemoryBudget& budget);
+/// The same, and what it holds of the head of the store's first input, for a file that carries it.
+Result<Reservation> reserve_header_and_head(const std::string& store, MemoryBudget& budget);
 
 }  // namespace pss

@@ -22,6 +22,8 @@ constexpr std::size_t kHeadSize = 32;
 constexpr std::size_t kHashedHead = 24;
 constexpr std::size_t kWindow = 256 << 10;
 
+static_assert(kName.size() == LogFile::kFirst);
+
 struct Head {
   std::uint32_t size = 0;
   std::uint32_t type = 0;
@@ -134,6 +136,49 @@ Result<std::uint64_t> first_record_size(const std::string& path) {
   return head ? std::min<std::uint64_t>(head->size, size) : 0;
 }
 
+Result<LogFile> LogFile::open(const std::string& path) {
+  PSS_ASSIGN(File file, File::open(path));
+  PSS_ASSIGN(const std::uint64_t size, file.size());
+  {
+    FileWindow window(file, size, kName.size());
+    PSS_TRY(check_name(window, path));
+  }
+  if (size == kFirst) return damaged(path, size, "it has no record");
+  return LogFile(std::move(file), size);
+}
+
+Result<LogPlace> LogFile::at(std::uint64_t offset) const {
+  std::array<std::byte, kHeadSize> bytes;
+  PSS_ASSIGN(const std::size_t got, file_.read_some(offset, bytes));
+  const auto head = parse_head(std::span(bytes).first(got), offset);
+  if (!head || head->size > size_ - offset - kHeadSize)
+    return damaged(path(), offset, "the head of a record does not match its checksum");
+  return LogPlace{head->type, offset, offset + kHeadSize, head->size, head->payload_hash};
+}
+
+Result<void> LogFile::mismatch(const LogPlace& place) const {
+  return damaged(path(), place.offset, "a record does not match its checksum");
+}
+
+Result<std::vector<std::byte>> LogFile::payload(const LogPlace& place) const {
+  std::vector<std::byte> bytes(place.size);
+  PSS_TRY(file_.read(place.payload, bytes));
+  if (hash64(bytes) != place.hash) PSS_TRY(mismatch(place));
+  return bytes;
+}
+
+Result<void> LogFile::check(const LogPlace& place) const {
+  StreamHash hash;
+  std::vector<std::byte> piece(std::min<std::size_t>(kWindow, place.size));
+  for (std::uint64_t at = place.payload; at < place.end(); at += piece.size()) {
+    const auto part = std::span(piece).first(
+        static_cast<std::size_t>(std::min<std::uint64_t>(piece.size(), place.end() - at)));
+    PSS_TRY(file_.read(at, part));
+    hash.update(part);
+  }
+  return hash.digest64() == place.hash ? Result<void>() : mismatch(place);
+}
+
 Result<LogWriter> LogWriter::create(const std::string& path, std::uint32_t type,
                                     std::span<const std::byte> payload) {
   PSS_ASSIGN(const Head head, make_head(path, type, 0, payload));
@@ -159,9 +204,11 @@ Result<void> LogWriter::append(std::uint32_t type, std::span<const std::byte> pa
     PSS_ASSIGN(const Head head, make_head(file_.path(), type, durable_, payload));
     std::vector<std::byte> bytes;
     append_head(bytes, size_, head);
-    ByteWriter(bytes).raw(payload);
+    const bool apart = payload.size() > kWindow;  // it is not copied
+    if (!apart) ByteWriter(bytes).raw(payload);
     PSS_TRY(file_.write(size_, bytes));
-    size_ += bytes.size();
+    if (apart) PSS_TRY(file_.write(size_ + bytes.size(), payload));
+    size_ += kHeadSize + payload.size();
     return {};
   });
 }

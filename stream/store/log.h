@@ -43,6 +43,43 @@ Result<std::uint64_t> read_log(const std::string& path, Tail tail, const LogVisi
 /// Bytes of a log's first record, before it is read; 0 where it has none that is whole.
 Result<std::uint64_t> first_record_size(const std::string& path);
 
+/// A record whose payload stays in the file.
+struct LogPlace {
+  std::uint32_t type = 0;
+  std::uint64_t offset = 0;   ///< of its head
+  std::uint64_t payload = 0;  ///< where that begins
+  std::uint32_t size = 0;     ///< of the payload
+  std::uint64_t hash = 0;
+
+  std::uint64_t end() const { return payload + size; }
+};
+
+/// A finished log, read record by record in any order, a payload only where it is wanted.
+///
+/// Thread: any number at once.
+/// Errors: kBadInput, with file and offset, where anything but records is found.
+class LogFile {
+ public:
+  static constexpr std::uint64_t kFirst = 16;  ///< the offset of the first record
+
+  static Result<LogFile> open(const std::string& path);
+
+  const std::string& path() const { return file_.path(); }
+  std::uint64_t size() const { return size_; }
+
+  /// The record with its head at an offset below size().
+  Result<LogPlace> at(std::uint64_t offset) const;
+  Result<std::vector<std::byte>> payload(const LogPlace& place) const;
+  /// Reads the payload against its checksum, some of it at a time.
+  Result<void> check(const LogPlace& place) const;
+
+ private:
+  LogFile(File file, std::uint64_t size) : file_(std::move(file)), size_(size) {}
+  Result<void> mismatch(const LogPlace& place) const;
+  File file_;
+  std::uint64_t size_;
+};
+
 /// Appends records. A failed append or sync is final: later ones give the same error and do
 /// nothing.
 class LogWriter {

@@ -11,9 +11,17 @@
 namespace pss {
 namespace {
 
-std::vector<std::byte> get_bytes(ByteReader& r) {
+Note get_note(ByteReader& r) {
+  Note note;
+  note.version = r.get<std::uint32_t>();
   const auto bytes = r.bytes();
-  return {bytes.begin(), bytes.end()};
+  note.bytes.assign(bytes.begin(), bytes.end());
+  return note;
+}
+
+void put(ByteWriter& w, const Note& note) {
+  w.put(note.version);
+  w.bytes(note.bytes);
 }
 
 void put(ByteWriter& w, const IndexBox& box) {
@@ -53,7 +61,7 @@ TileInfo get_tile(ByteReader& r) {
   tile.size = r.get<std::uint64_t>();
   tile.index_size = r.get<std::uint32_t>();
   tile.index_hash = r.get<std::uint64_t>();
-  tile.note = get_bytes(r);
+  tile.note = get_note(r);
   return tile;
 }
 
@@ -80,6 +88,7 @@ Error damaged(const std::string& path, std::uint64_t offset, const std::string& 
 
 Result<void> add_header(Manifest& m, const std::string& path, const LogRecord& record) {
   PSS_ASSIGN(m.header, decode_header(path, record.offset, record.payload));
+  m.producer = producer_in(record.payload);
   m.has_header = true;
   return {};
 }
@@ -103,6 +112,8 @@ Result<void> add_end(Manifest& m, const std::string& path, const LogRecord& reco
   ByteReader reader(record.payload);
   const auto tiles = reader.get<std::uint64_t>();
   const auto points = reader.get<std::uint64_t>();
+  m.input_bytes = reader.get<std::uint64_t>();
+  m.note = get_note(reader);
   m.summary = reader.text();
   if (!reader.finished() || tiles != m.tiles.size() || points != m.points())
     return damaged(path, record.offset,
@@ -129,17 +140,18 @@ std::vector<std::byte> encode_tile(const TileInfo& tile) {
   w.put(tile.size);
   w.put(tile.index_size);
   w.put(tile.index_hash);
-  w.bytes(tile.note);
+  put(w, tile.note);
   return out;
 }
 
-std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points,
-                                  const std::string& summary) {
+std::vector<std::byte> encode_end(const Manifest& manifest) {
   std::vector<std::byte> out;
   ByteWriter w(out);
-  w.put(tiles);
-  w.put(points);
-  w.text(summary);
+  w.put(static_cast<std::uint64_t>(manifest.tiles.size()));
+  w.put(manifest.points());
+  w.put(manifest.input_bytes);
+  put(w, manifest.note);
+  w.text(manifest.summary);
   return out;
 }
 

@@ -6,15 +6,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/lattice.h"
 #include "core/morton.h"
 #include "core/result.h"
-#include "io/file/fingerprint.h"
-#include "io/points/points.h"
 #include "io/points/schema.h"
+#include "stream/store/input_table.h"
 #include "stream/store/log.h"
+#include "stream/store/note.h"
 
 namespace pss {
 
@@ -30,20 +31,20 @@ struct StoreHeader {
   bool ordered =
       true;  ///< rows in key order; false for results, whose rows keep their source's order
   std::optional<Lattice> grid;  ///< that a file written from this gets, if its format has one
-  Carry carry;                  ///< header of the first input, for a file of its family of formats
-  std::string source_format;    ///< Format::name of the first input; empty where it is no file
-  std::string crs;
-  std::vector<InputRecord> inputs;
-  std::string parameters;  ///< JSON: what made the rows, beyond the inputs
+  InputsDigest inputs;          ///< the store's InputTable has what is known of each
+  std::string parameters;       ///< JSON: what made the rows, beyond the inputs
 
   bool operator==(const StoreHeader&) const = default;
 };
-/// A job has so many headers at once, bytes of them counted as one: the store that is read, the
-/// operator's for the result, and the bytes that are written to the result's log, read from a log,
-/// or made by a writer whose points need another head.
+/// A job has so many headers at once: the store that is read, the operator's for the result, and
+/// the bytes that are written to the result's log, or read from a log.
 inline constexpr std::uint64_t kHeaderCopies = 3;
+/// Of the head of an input there are at most so many at once: as a reader or the table of inputs
+/// gives it, its bytes on their way from or to that table, or made by a writer whose points need
+/// another head; and its coordinate system counts beside it.
+inline constexpr std::uint64_t kHeadCopies = 3;
 
-/// What a header's names and carried bytes hold, with the copies that a job has of them.
+/// What a header's text holds, with the copies that a job has of it.
 std::uint64_t memory_of(const StoreHeader& header);
 
 /// What a tile's manifest record says.
@@ -62,25 +63,30 @@ struct TileInfo {
   std::uint64_t size = 0;    ///< blocks and block index together
   std::uint32_t index_size = 0;
   std::uint64_t index_hash = 0;
-  std::vector<std::byte> note;  ///< of whoever wrote the tile: an operator's statistics
+  Note note;  ///< of whoever wrote the tile: an operator's statistics
 };
 
 enum class RecordType : std::uint32_t { kHeader = 1, kTile = 2, kEnd = 3 };
 
 /// The version of the format that this program writes and reads.
-inline constexpr std::uint32_t kStoreVersion = 1;
+inline constexpr std::uint32_t kStoreVersion = 2;
 
-std::vector<std::byte> encode_header(const StoreHeader& header);
-/// Whether these bytes are those of encode_header(header). Allocates nothing.
-bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload);
+/// What this program calls itself in the stores that it makes: "pss" and its version.
+std::string producer();
+
+std::vector<std::byte> encode_header(const StoreHeader& header,
+                                     std::string_view made_by = producer());
+/// Whether these bytes are those of encode_header(header, made_by). Allocates nothing.
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload,
+                std::string_view made_by = producer());
 /// Errors: kBadInput where a header's record is of another version of the format.
 Result<void> check_version(const std::string& path, std::span<const std::byte> payload);
+/// Who made a store, by its header's record. Requires: check_version().
+std::string producer_in(std::span<const std::byte> payload);
 /// The header of a record at `offset` of the manifest `path`. Errors: kBadInput.
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload);
 std::vector<std::byte> encode_tile(const TileInfo& tile);  ///< without first_row, which follows
-std::vector<std::byte> encode_end(std::uint64_t tiles, std::uint64_t points,
-                                  const std::string& summary);
 
 /// Bytes of a block's entry in a tile's index.
 std::size_t index_entry_size(const Schema& schema);
@@ -88,8 +94,11 @@ std::size_t index_entry_size(const Schema& schema);
 /// Everything a manifest holds, built record by record.
 struct Manifest {
   StoreHeader header;
+  std::string producer;  ///< of whoever made the store
   std::vector<TileInfo> tiles;
   bool complete = false;
+  std::uint64_t input_bytes = 0;  ///< of the file of the table of inputs
+  Note note;                      ///< of the whole store, once it is complete
   std::string summary;
   bool has_header = false;
 
@@ -104,6 +113,9 @@ struct Manifest {
   /// Errors: kBadInput with `path` and the record's offset.
   Result<void> add(const std::string& path, const LogRecord& record);
 };
+
+/// The record that ends a manifest.
+std::vector<std::byte> encode_end(const Manifest& manifest);
 
 // The names inside a store's directory. A finished manifest gets its final name, and only that may
 // not have a torn tail.

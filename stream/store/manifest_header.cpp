@@ -2,23 +2,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <string_view>
 #include <utility>
 
 #include "stream/store/bytes.h"
+#include "stream/store/lattice_bytes.h"
 #include "stream/store/manifest.h"
 
 namespace pss {
 namespace {
-
-/// Version 1 of the format numbers the formats of files, and their families, in this order.
-constexpr std::array<std::string_view, 3> kNumberedFormats{"LAS", "PLY", "text"};
-constexpr std::uint8_t kNoFormat = 255;
-
-/// What a string holds beside its bytes, rounding by the allocator among it.
-constexpr std::uint64_t kStringBytes = 24;
 
 /// Values as ByteWriter writes them; `Take` gets the bytes, to keep, count or compare them.
 template <class Take>
@@ -39,23 +30,6 @@ class Encoder {
  private:
   Take take_;
 };
-
-template <class Writer>
-void put(Writer& w, const Lattice& lattice) {
-  for (const double s : lattice.scale) w.put(s);
-  for (const double o : lattice.origin) w.put(o);
-}
-
-Lattice get_lattice(ByteReader& r) {
-  Lattice lattice;
-  for (double& s : lattice.scale) s = r.get<double>();
-  for (double& o : lattice.origin) o = r.get<double>();
-  for (const double s : lattice.scale)
-    if (!(s > 0) || !std::isfinite(s)) r.fail();
-  for (const double o : lattice.origin)
-    if (!std::isfinite(o)) r.fail();
-  return lattice;
-}
 
 template <class Writer>
 void put(Writer& w, const Field& field) {
@@ -112,57 +86,7 @@ Schema get_schema(ByteReader& r) {
   return r.ok() ? Schema(std::move(fields)) : Schema();
 }
 
-std::uint8_t number_of(const std::string& format) {
-  const auto found = std::ranges::find(kNumberedFormats, format);
-  if (found == kNumberedFormats.end()) return kNoFormat;
-  return static_cast<std::uint8_t>(found - kNumberedFormats.begin());
-}
-
-template <class Writer>
-void put(Writer& w, const Carry& carry) {
-  w.put(number_of(carry.family));
-  w.bytes(carry.head);
-  w.bytes(carry.tail);
-}
-
-std::string get_format(ByteReader& r) {
-  const auto number = r.get<std::uint8_t>();
-  if (number == kNoFormat) return {};
-  if (number >= kNumberedFormats.size()) return r.fail(), std::string();
-  return std::string(kNumberedFormats[number]);
-}
-
-std::vector<std::byte> get_bytes(ByteReader& r) {
-  const auto bytes = r.bytes();
-  return {bytes.begin(), bytes.end()};
-}
-
-Carry get_carry(ByteReader& r) {
-  Carry carry;
-  carry.family = get_format(r);
-  carry.head = get_bytes(r);
-  carry.tail = get_bytes(r);
-  return carry;
-}
-
-template <class Writer>
-void put(Writer& w, const InputRecord& input) {
-  w.text(input.path);
-  w.put(input.size);
-  w.put(input.modified_ns);
-  w.put(input.content_hash);
-}
-
-InputRecord get_input(ByteReader& r) {
-  InputRecord input;
-  input.path = r.text();
-  input.size = r.get<std::uint64_t>();
-  input.modified_ns = r.get<std::int64_t>();
-  input.content_hash = r.get<std::uint64_t>();
-  return input;
-}
-
-/// After the format version.
+/// After the format version and the producer.
 StoreHeader get_header(ByteReader& r) {
   StoreHeader h;
   h.lattice = get_lattice(r);
@@ -171,58 +95,53 @@ StoreHeader get_header(ByteReader& r) {
   if (h.tile_points == 0) r.fail();
   h.ordered = r.get<std::uint8_t>() != 0;
   if (r.get<std::uint8_t>() != 0) h.grid = get_lattice(r);
-  h.carry = get_carry(r);
-  h.source_format = get_format(r);
-  h.crs = r.text();
-  const std::size_t inputs = r.count(28);
-  h.inputs.reserve(inputs);
-  for (std::size_t i = 0; i < inputs && r.ok(); ++i) h.inputs.push_back(get_input(r));
+  h.inputs.count = r.get<std::uint64_t>();
+  h.inputs.hash.high = r.get<std::uint64_t>();
+  h.inputs.hash.low = r.get<std::uint64_t>();
   h.parameters = r.text();
   return h;
 }
 
 template <class Take>
-void encode(const StoreHeader& header, Take take) {
+void encode(const StoreHeader& header, std::string_view made_by, Take take) {
   Encoder w(std::move(take));
   w.put(kStoreVersion);
-  put(w, header.lattice);
+  w.text(made_by);
+  put_lattice(w, header.lattice);
   put(w, header.schema);
   w.put(header.tile_points);
   w.template put<std::uint8_t>(header.ordered);
   w.template put<std::uint8_t>(header.grid.has_value());
-  if (header.grid) put(w, *header.grid);
-  put(w, header.carry);
-  w.put(number_of(header.source_format));
-  w.text(header.crs);
-  w.put(static_cast<std::uint32_t>(header.inputs.size()));
-  for (const InputRecord& input : header.inputs) put(w, input);
+  if (header.grid) put_lattice(w, *header.grid);
+  w.put(header.inputs.count);
+  w.put(header.inputs.hash.high);
+  w.put(header.inputs.hash.low);
   w.text(header.parameters);
 }
 
 }  // namespace
 
 std::uint64_t memory_of(const StoreHeader& header) {
-  std::uint64_t bytes = header.carry.head.size() + header.carry.tail.size() + header.crs.size() +
-                        header.parameters.size();
-  for (const InputRecord& input : header.inputs)
-    bytes += sizeof(InputRecord) + input.path.size() + kStringBytes;
-  return kHeaderCopies * bytes;
+  return kHeaderCopies * header.parameters.size();
 }
 
-std::vector<std::byte> encode_header(const StoreHeader& header) {
+std::string producer() { return "pss " PSS_VERSION; }
+
+std::vector<std::byte> encode_header(const StoreHeader& header, std::string_view made_by) {
   using Bytes = std::span<const std::byte>;
   std::size_t size = 0;
-  encode(header, [&size](Bytes bytes) { size += bytes.size(); });
+  encode(header, made_by, [&size](Bytes bytes) { size += bytes.size(); });
   std::vector<std::byte> out;
   out.reserve(size);  // growing would hold it thrice
   ByteWriter writer(out);
-  encode(header, [&writer](Bytes bytes) { writer.raw(bytes); });
+  encode(header, made_by, [&writer](Bytes bytes) { writer.raw(bytes); });
   return out;
 }
 
-bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload) {
+bool is_encoded(const StoreHeader& header, std::span<const std::byte> payload,
+                std::string_view made_by) {
   bool equal = true;
-  encode(header, [&](std::span<const std::byte> bytes) {
+  encode(header, made_by, [&](std::span<const std::byte> bytes) {
     equal = equal && bytes.size() <= payload.size() &&
             std::ranges::equal(bytes, payload.first(bytes.size()));
     payload = payload.subspan(equal ? bytes.size() : 0);
@@ -235,14 +154,20 @@ Result<void> check_version(const std::string& path, std::span<const std::byte> p
   if (version == kStoreVersion) return {};
   return Error{Fault::kBadInput,
                fmt::format("{}: store format version {} found, this program reads version {}; "
-                           "make the store anew from its inputs",
+                           "build the store again from its inputs by pss tile, or use --restart "
+                           "where it is a job's",
                            path, version, kStoreVersion)};
+}
+
+std::string producer_in(std::span<const std::byte> payload) {
+  return ByteReader(payload.subspan(sizeof(kStoreVersion))).text();
 }
 
 Result<StoreHeader> decode_header(const std::string& path, std::uint64_t offset,
                                   std::span<const std::byte> payload) {
   PSS_TRY(check_version(path, payload));
   ByteReader reader(payload.subspan(sizeof(kStoreVersion)));
+  static_cast<void>(reader.text());  // the producer
   StoreHeader header = get_header(reader);
   if (!reader.finished())
     return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the header record makes "

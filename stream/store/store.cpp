@@ -68,6 +68,22 @@ std::optional<std::vector<BlockInfo>> parse_index(std::span<const std::byte> byt
   return good ? std::optional(std::move(blocks)) : std::nullopt;
 }
 
+/// Opens a file of a store that has so many bytes, or more where the store may still grow.
+Result<File> open_whole(const std::string& path, std::uint64_t expected, bool finished) {
+  if (!exists(path))
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: damaged: found no such file, expected {} bytes; copy the store "
+                             "again, or build it again",
+                             path, expected)};
+  PSS_ASSIGN(File file, File::open(path));
+  PSS_ASSIGN(const std::uint64_t size, file.size());
+  if (size < expected || (finished && size > expected))
+    return Error{Fault::kBadInput,
+                 fmt::format("{}: damaged at offset {}: {} bytes found, {} expected", path,
+                             std::min(size, expected), size, expected)};
+  return file;
+}
+
 }  // namespace
 
 Result<Store> Store::open(const std::string& path) {
@@ -92,7 +108,21 @@ Result<void> Store::open_files() {
   if (!manifest_.has_header || (finished && !manifest_.complete))
     return Error{Fault::kBadInput, fmt::format("{}: damaged at offset {}: the {} record is missing",
                                                log, manifest_size_, finished ? "end" : "header")};
+  PSS_TRY(check_inputs());
   return open_segments();
+}
+
+/// The table of inputs is read when it is needed: here it only is there, from end to end.
+Result<void> Store::check_inputs() const {
+  if (!complete() || header().inputs.count == 0) return {};
+  PSS_ASSIGN(const File file, open_whole(inputs_path(path_), manifest_.input_bytes, true));
+  return {};
+}
+
+Result<InputTable> Store::inputs() const {
+  auto table = InputTable::open(path_, header().inputs.count);
+  if (!table) return changed_or(table.error());
+  return table;
 }
 
 /// A store that another one replaces while it is read looks damaged.
@@ -102,33 +132,23 @@ Error Store::changed_or(Error error) const {
 
 Result<void> Store::open_segments() {
   const auto ends = segment_ends(manifest_);
+  segments_ = std::make_unique<SegmentFiles>(path_, most_open_segments());
   for (std::uint32_t n = 0; n < ends.size(); ++n) {
-    const std::string segment = segment_path(path_, n);
-    if (!exists(segment))
-      return Error{Fault::kBadInput,
-                   fmt::format("{}: damaged: found no such file, expected {} bytes; copy the store "
-                               "again, or build it again",
-                               segment, ends[n])};
-    PSS_ASSIGN(File file, File::open(segment));
-    PSS_ASSIGN(const std::uint64_t size, file.size());
-    if (size < ends[n] || (complete() && size > ends[n]))
-      return Error{Fault::kBadInput,
-                   fmt::format("{}: damaged at offset {}: {} bytes found, {} expected", file.path(),
-                               std::min(size, ends[n]), size, ends[n])};
-    segments_.push_back(std::move(file));
+    PSS_ASSIGN(File file, open_whole(segment_path(path_, n), ends[n], complete()));
+    segments_->keep(n, std::move(file));
   }
   return {};
 }
 
 std::uint64_t Store::bytes_on_disk() const {
-  std::uint64_t bytes = manifest_size_;
+  std::uint64_t bytes = manifest_size_ + manifest_.input_bytes;
   for (const TileInfo& tile : manifest_.tiles) bytes += tile.size;
   return bytes;
 }
 
 std::uint64_t Store::table_memory() const {
   std::uint64_t bytes = manifest_.tiles.capacity() * sizeof(TileInfo);
-  for (const TileInfo& tile : manifest_.tiles) bytes += tile.note.capacity();
+  for (const TileInfo& tile : manifest_.tiles) bytes += tile.note.bytes.capacity();
   return bytes;
 }
 
@@ -141,7 +161,8 @@ Error Store::damaged(const TileInfo& tile, std::uint64_t offset, const std::stri
 
 Result<void> Store::read_segment(const TileInfo& tile, std::uint64_t offset,
                                  std::span<std::byte> out) const {
-  if (auto read = segments_[tile.segment].read(offset, out); !read) return changed_or(read.error());
+  if (auto read = segments_->read(tile.segment, offset, out); !read)
+    return changed_or(read.error());
   return {};
 }
 

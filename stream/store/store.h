@@ -11,11 +11,12 @@
 #include "core/lattice.h"
 #include "core/morton.h"
 #include "core/result.h"
-#include "io/file/file.h"
+#include "io/file/fingerprint.h"
 #include "io/points/points.h"
 #include "io/points/schema.h"
 #include "stream/store/block.h"
 #include "stream/store/manifest.h"
+#include "stream/store/segment_files.h"
 
 namespace pss {
 
@@ -35,9 +36,16 @@ class Store {
   /// Whether the writer finished it, and the JSON it left then (points dropped by reason, ...).
   bool complete() const { return manifest_.complete; }
   const std::string& summary() const { return manifest_.summary; }
+  /// What the writer says of the whole store, once it is complete: see bytes_of().
+  const Note& note() const { return manifest_.note; }
+  /// The program that made it, with its version.
+  const std::string& producer() const { return manifest_.producer; }
   std::uint64_t bytes_on_disk() const;
   /// What the tile table holds in memory; memory_of() tells that of the header.
   std::uint64_t table_memory() const;
+
+  /// What is kept of each input. Requires: complete(), and a header with inputs.
+  Result<InputTable> inputs() const;
 
   /// The blocks of a tile, in row order; none where it is empty.
   Result<std::vector<BlockInfo>> read_index(std::size_t tile) const;
@@ -57,6 +65,7 @@ class Store {
   Store() = default;
   Result<void> open_files();
   Result<void> open_segments();
+  Result<void> check_inputs() const;
   Result<void> read_segment(const TileInfo& tile, std::uint64_t offset,
                             std::span<std::byte> out) const;
   Error changed_or(Error error) const;
@@ -68,7 +77,7 @@ class Store {
   Manifest manifest_;
   std::optional<InputRecord> record_;  ///< of a complete store's manifest, before it was read
   std::uint64_t manifest_size_ = 0;
-  std::vector<File> segments_;
+  std::unique_ptr<SegmentFiles> segments_;
 };
 
 /// The bytes of a tile's index, as StoreWriter appends them after its blocks.

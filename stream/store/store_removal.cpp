@@ -15,7 +15,8 @@ bool is_store_file(const std::string& name) {
   return store + "/" + name == manifest_path(store) ||
          store + "/" + name == open_manifest_path(store) ||
          store + "/" + name == replacement_of(open_manifest_path(store)) ||
-         is_numbered(name, "segment-");
+         store + "/" + name == inputs_path(store) ||
+         store + "/" + name == replacement_of(inputs_path(store)) || is_numbered(name, "segment-");
 }
 
 /// Whether something in a store's directory is a part of it: a file by its name, and, where the

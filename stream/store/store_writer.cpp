@@ -33,6 +33,7 @@ StoreHeader needed_of(const StoreHeader& header) {
   needed.schema = header.schema;
   needed.tile_points = header.tile_points;
   needed.ordered = header.ordered;
+  needed.inputs = header.inputs;
   return needed;
 }
 
@@ -42,6 +43,14 @@ Error other_inputs(const std::string& path) {
       fmt::format("{}: was made from other inputs or parameters; use --restart where it is of a "
                   "job, or choose another name",
                   path)};
+}
+
+/// Another version of pss may compute other bytes: two do not make one store.
+Error other_producer(const std::string& path, const std::string& found) {
+  return {Fault::kFailed,
+          fmt::format("{}: was begun by {}, and this is {}; finish it with that one, use --restart "
+                      "where it is of a job, or choose another name",
+                      path, found, producer())};
 }
 
 }  // namespace
@@ -55,6 +64,7 @@ Result<StoreWriter> StoreWriter::create(const std::string& path, const StoreHead
   writer.path_ = path;
   writer.segment_limit_ = segment_size;
   writer.manifest_.header = needed_of(header);
+  writer.manifest_.producer = producer();
   writer.manifest_.has_header = true;
   PSS_ASSIGN(LogWriter log, LogWriter::create(open_manifest_path(path),
                                               static_cast<std::uint32_t>(RecordType::kHeader),
@@ -79,13 +89,22 @@ Result<StoreWriter> StoreWriter::resume(const std::string& path, const StoreHead
   return writer;
 }
 
-/// Takes the header where it is the expected one: compared, and not read into another.
 Result<void> StoreWriter::add_record(const std::string& name, const LogRecord& record,
                                      const StoreHeader& header) {
   const bool first = static_cast<RecordType>(record.type) == RecordType::kHeader;
   if (!first || manifest_.has_header) return manifest_.add(name, record);
-  PSS_TRY(check_version(name, record.payload));
-  if (!is_encoded(header, record.payload)) return other_inputs(path_);
+  return take_header(name, record.payload, header);
+}
+
+/// Takes the header where it is the expected one: compared, and not read into another.
+Result<void> StoreWriter::take_header(const std::string& name, std::span<const std::byte> payload,
+                                      const StoreHeader& header) {
+  PSS_TRY(check_version(name, payload));
+  manifest_.producer = producer_in(payload);
+  const bool finished = name == manifest_path(path_);
+  if (!finished && manifest_.producer != producer())
+    return other_producer(path_, manifest_.producer);
+  if (!is_encoded(header, payload, manifest_.producer)) return other_inputs(path_);
   manifest_.header = needed_of(header);
   manifest_.has_header = true;
   return {};
@@ -140,8 +159,8 @@ Result<void> StoreWriter::append(const EncodedBlock& block) {
   return failure_.guard([&] { return write_block(block); });
 }
 
-Result<void> StoreWriter::commit_tile(const Cell& cell, std::uint64_t source,
-                                      std::vector<std::byte> note, bool sync_now) {
+Result<void> StoreWriter::commit_tile(const Cell& cell, std::uint64_t source, Note note,
+                                      bool sync_now) {
   PSS_TRY(failure_.guard([&] { return end_tile(cell, source, std::move(note)); }));
   return sync_now ? sync() : Result<void>();
 }
@@ -150,8 +169,8 @@ Result<void> StoreWriter::sync() {
   return failure_.guard([&] { return write_records(); });
 }
 
-Result<void> StoreWriter::finish(const std::string& summary) {
-  return failure_.guard([&] { return end_store(summary); });
+Result<void> StoreWriter::finish(const std::string& summary, const Note& note) {
+  return failure_.guard([&] { return end_store(summary, note); });
 }
 
 Result<void> StoreWriter::write_block(const EncodedBlock& block) {
@@ -176,8 +195,7 @@ Result<std::vector<std::byte>> StoreWriter::write_index() {
   return index;
 }
 
-Result<void> StoreWriter::end_tile(const Cell& cell, std::uint64_t source,
-                                   std::vector<std::byte> note) {
+Result<void> StoreWriter::end_tile(const Cell& cell, std::uint64_t source, Note note) {
   assert(source >= next_source());
   PSS_ASSIGN(const std::vector<std::byte> index, write_index());
   TileInfo tile;
@@ -212,14 +230,18 @@ Result<void> StoreWriter::write_records() {
   return log_->sync();
 }
 
-Result<void> StoreWriter::end_store(const std::string& summary) {
+Result<void> StoreWriter::end_store(const std::string& summary, const Note& note) {
   assert(!complete() && blocks_.empty());
   PSS_TRY(write_records());
-  PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kEnd),
-                       encode_end(manifest_.tiles.size(), manifest_.points(), summary)));
+  if (const std::uint64_t inputs = manifest_.header.inputs.count; inputs > 0) {
+    PSS_ASSIGN(const InputTable table, InputTable::open(path_, inputs));
+    manifest_.input_bytes = table.bytes();
+  }
+  manifest_.note = note;
+  manifest_.summary = summary;
+  PSS_TRY(log_->append(static_cast<std::uint32_t>(RecordType::kEnd), encode_end(manifest_)));
   PSS_TRY(log_->sync());
   manifest_.complete = true;
-  manifest_.summary = summary;
   return rename_manifest();
 }
 

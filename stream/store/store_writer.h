@@ -45,7 +45,8 @@ class StoreWriter {
   static Result<StoreWriter> create(const std::string& path, const StoreHeader& header,
                                     std::uint64_t segment_size = kSegmentSize);
   /// Goes on with a store whose header equals `header`: cuts the torn tail of the manifest and
-  /// unrecorded segment bytes. Errors: kFailed where the headers differ, kBadInput where damaged.
+  /// unrecorded segment bytes. Errors: kFailed where the headers differ, or where another version
+  /// of pss began a store that is not complete; kBadInput where damaged.
   static Result<StoreWriter> resume(const std::string& path, const StoreHeader& header,
                                     std::uint64_t segment_size = kSegmentSize);
 
@@ -65,27 +66,31 @@ class StoreWriter {
   /// Tiles may share the syncs: with `sync` false they become durable at the next commit with true.
   /// Requires: `source`, the number of the tile that this one was made of, is not below
   ///           next_source(), which is what a store that is made of no other passes.
-  Result<void> commit_tile(const Cell& cell, std::uint64_t source, std::vector<std::byte> note = {},
+  Result<void> commit_tile(const Cell& cell, std::uint64_t source, Note note = {},
                            bool sync = true);
   /// Makes all committed tiles durable.
   Result<void> sync();
   /// Bytes of tiles that are committed and not durable yet.
   std::uint64_t unsynced_bytes() const { return unsynced_bytes_; }
-  /// Ends the store. `summary` is JSON that readers find in Store::summary().
-  Result<void> finish(const std::string& summary);
+  /// Ends the store. Requires: where the header has inputs, their table is written: by an
+  /// InputTableWriter, or copy_inputs(). `summary` is JSON that readers find in Store::summary(),
+  /// `note` what they find in Store::note().
+  Result<void> finish(const std::string& summary, const Note& note = {});
 
  private:
   StoreWriter() = default;
   Result<void> add_record(const std::string& name, const LogRecord& record,
                           const StoreHeader& header);
+  Result<void> take_header(const std::string& name, std::span<const std::byte> payload,
+                           const StoreHeader& header);
   Result<void> open_manifest(const std::string& name, const StoreHeader& header);
   Result<void> cut_segments();
   Result<void> next_segment();
   Result<void> write_block(const EncodedBlock& block);
   Result<std::vector<std::byte>> write_index();
-  Result<void> end_tile(const Cell& cell, std::uint64_t source, std::vector<std::byte> note);
+  Result<void> end_tile(const Cell& cell, std::uint64_t source, Note note);
   Result<void> write_records();
-  Result<void> end_store(const std::string& summary);
+  Result<void> end_store(const std::string& summary, const Note& note);
   Result<void> rename_manifest();
   std::string path_;
   std::uint64_t segment_limit_ = kSegmentSize;

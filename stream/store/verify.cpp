@@ -27,6 +27,18 @@ std::vector<std::byte> interleave(std::span<const Index3> positions,
   return out;
 }
 
+/// The table of inputs, to its last byte, and whether it is of those that the header knows.
+Result<void> check_inputs(const Store& store) {
+  if (!store.complete() || store.header().inputs.count == 0) return {};
+  PSS_ASSIGN(const InputTable inputs, store.inputs());
+  PSS_ASSIGN(const InputsDigest found, inputs.check());
+  if (found == store.header().inputs) return {};
+  return Error{
+      Fault::kBadInput,
+      fmt::format("{}: damaged at offset {}: the inputs are not those of the store's header",
+                  inputs_path(store.path()), LogFile::kFirst)};
+}
+
 class Verifier {
  public:
   Verifier(const Store& store, Monitor& monitor)
@@ -43,6 +55,10 @@ class Verifier {
         note(checked.error().message);
       }
       monitor_.advance(store_.tiles()[t].count, 1);
+    }
+    if (auto checked = check_inputs(store_); !checked) {
+      if (checked.error().fault != Fault::kBadInput) return checked.error();
+      note(checked.error().message);
     }
     summary_.tiles = store_.tiles().size();
     summary_.rows = hash_.digest();
@@ -149,7 +165,7 @@ Result<void> check_bytes(const std::string& path, Monitor& monitor) {
     if (monitor.stopping()) return Error{Fault::kInterrupted, "interrupted"};
     PSS_TRY(store.check_bytes(t));
   }
-  return {};
+  return check_inputs(store);
 }
 
 }  // namespace pss

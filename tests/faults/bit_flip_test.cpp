@@ -61,6 +61,8 @@ TEST_F(BitFlip, InAStoreIsFoundByVerifyWithFileAndOffset) {
 }
 
 TEST_F(BitFlip, InAStoreIsNamedByTheJobsThatReadIt) {
+  ASSERT_TRUE(
+      export_store(expect_value(Store::open("/kept.pss")), "/sound.ply", {}, budget_, monitor_));
   SmoothJob job = small_job();
   job.inputs = {"/kept.pss"};
   job.overwrite = job.restart = true;
@@ -70,8 +72,14 @@ TEST_F(BitFlip, InAStoreIsNamedByTheJobsThatReadIt) {
         store ? export_store(*store, "/copy.ply", {.rules = {.overwrite = true}}, budget_, monitor_)
               : Result<ExportSummary>(store.error());
     const auto smoothed = run(job);
-    for (const Result<void>& result : {exported ? Result<void>() : exported.error(),
-                                       smoothed ? Result<void>() : smoothed.error()}) {
+    std::vector<Result<void>> results = {smoothed ? Result<void>() : smoothed.error()};
+    if (exported && file == inputs_path("/kept.pss")) {  // of which it takes the first head alone
+      ASSERT_TRUE(disk_.content("/copy.ply") == disk_.content("/sound.ply"));
+      disk_.remove("/copy.ply");
+    } else {
+      results.push_back(exported ? Result<void>() : exported.error());
+    }
+    for (const Result<void>& result : results) {
       ASSERT_FALSE(result) << "read as if it were sound";
       EXPECT_EQ(result.error().fault, Fault::kBadInput) << result.error().message;
       EXPECT_TRUE(names_a_place(result.error().message, file)) << result.error().message;
@@ -81,7 +89,7 @@ TEST_F(BitFlip, InAStoreIsNamedByTheJobsThatReadIt) {
 }
 
 TEST_F(BitFlip, AMissingFileOfAStoreIsDamage) {
-  for (const char* file : {"/kept.pss/segment-000000", "/kept.pss/manifest"}) {
+  for (const char* file : {"/kept.pss/segment-000000", "/kept.pss/inputs", "/kept.pss/manifest"}) {
     const auto bytes = disk_.content(file);
     disk_.remove(file);
     const auto verified = verify_store("/kept.pss", budget_, monitor_);

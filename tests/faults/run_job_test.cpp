@@ -56,7 +56,7 @@ class Rounds : public JobKind {
 
  private:
   static double rms_of(const DonePass& pass) {
-    return ProjectStatistics::from_bytes(pass.note).rms_displacement();
+    return ProjectStatistics::from_bytes(pass.note.bytes).rms_displacement();
   }
 };
 

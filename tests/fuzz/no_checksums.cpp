@@ -20,4 +20,6 @@ void StreamHash::update(std::span<const std::byte> /*bytes*/) {}
 
 Hash128 StreamHash::digest() const { return {}; }
 
+std::uint64_t StreamHash::digest64() const { return 0; }
+
 }  // namespace pss

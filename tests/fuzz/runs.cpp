@@ -15,6 +15,7 @@ const std::string kFolder = "/runs";
 StoreHeader plan() {
   StoreHeader header;
   header.schema = small_schema();
+  header.inputs.count = 3;
   return header;
 }
 
@@ -31,9 +32,10 @@ Result<RunInfo> write_run(const Schema& schema, std::uint64_t id) {
 /// Three runs, of which two are merged.
 Result<void> write_runs(const StoreHeader& header) {
   PSS_ASSIGN(RunLog log, RunLog::open(kFolder, header));
+  const std::vector<InputCounts> counts(3, {60, 1, 2, 3});
   for (std::uint64_t id = 0; id < 3; ++id) {
     PSS_ASSIGN(const RunInfo run, write_run(header.schema, id));
-    PSS_TRY(id < 2 ? log.add(run, {0, 60 * (id + 1)}, {}) : log.replace(1, run));
+    PSS_TRY(id < 2 ? log.add(run, {id, 60 * (id + 1)}, {}, counts) : log.replace(1, run));
   }
   return {};
 }

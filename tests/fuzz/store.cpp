@@ -16,7 +16,9 @@ namespace {
 const std::string kStore = "/a.pss";
 constexpr std::uint64_t kLimit = std::uint64_t{128} << 20;
 
-/// Of the store's input, and the file that it is exported as.
+const std::vector<InputRecord> kInputs = {{"/a.las", 7, 8, 9}, {"/b.las", 1, 2, 3}};
+
+/// Of the store's inputs, and the file that it is exported as.
 struct FormatChoice {
   const char* name;
   const char* output;
@@ -24,21 +26,29 @@ struct FormatChoice {
 constexpr FormatChoice kChoices[] = {
     {"LAS", "/out.las"}, {"PLY", "/out.ply"}, {"text", "/out.csv"}};
 
-StoreHeader header(const char* format, const Bytes& carried) {
+StoreHeader header() {
   StoreHeader header;
   header.schema = small_schema();
   header.lattice = {{0.01, 0.01, 0.01}, {1, 2, 3}};
   header.grid = header.lattice;
-  header.carry = {.family = format, .head = carried, .tail = {}};
-  header.source_format = format;
-  header.crs = "EPSG:2994";
-  header.inputs = {{"/a.las", 7, 8, 9}};
+  header.inputs = digest_of(kInputs);
   header.parameters = "{}";
   return header;
 }
 
+/// Two inputs with heads of a format, the second without a grid or a coordinate system.
+Result<void> write_inputs(const char* format, const Bytes& carried) {
+  PSS_ASSIGN(InputTableWriter table, InputTableWriter::create(kStore, kInputs.size()));
+  const Carry carry{.family = format, .head = carried, .tail = {}};
+  const Lattice grid{{0.01, 0.01, 0.01}, {1, 2, 3}};
+  PSS_TRY(table.add({kInputs[0], format, grid, {40, 1, 2, 3}}, "EPSG:2994", carry));
+  PSS_TRY(table.add({kInputs[1], "unknown", {}, {}}, "", carry));
+  return table.finish();
+}
+
 /// Two tiles of two blocks each, and an empty one.
-Result<void> write_store(const StoreHeader& header) {
+Result<void> write_store(const char* format, const Bytes& carried) {
+  const StoreHeader header = test::header();
   PSS_ASSIGN(StoreWriter writer, StoreWriter::create(kStore, header));
   for (const std::int64_t first : {0, 64}) {
     for (const std::int64_t block : {0, 20})
@@ -49,17 +59,33 @@ Result<void> write_store(const StoreHeader& header) {
   }
   PSS_TRY(writer.commit_tile(cell_of(encode_key({128, 0, 0}), kLatticeBits - 6),
                              writer.next_source() + 2));
+  PSS_TRY(write_inputs(format, carried));
   return writer.finish("{}");
 }
 
 Bytes written(unsigned char choice, std::string_view carried) {
   const SimulatedDisk disk;
-  require(write_store(header(kChoices[choice].name, bytes_of(carried))).has_value(),
+  require(write_store(kChoices[choice].name, bytes_of(carried)).has_value(),
           "cannot write a store");
   const Bytes parts[] = {{std::byte{choice}},
                          disk.content(manifest_path(kStore)),
+                         disk.content(inputs_path(kStore)),
                          disk.content(segment_path(kStore, 0))};
   return packed(parts);
+}
+
+/// Every part of a table of inputs; it may be of other inputs than the header's.
+void use_inputs(const Store& store) {
+  const auto inputs = InputTable::open(store.path());
+  if (!inputs) return;
+  for (std::size_t i = 0; i < inputs->size(); ++i) {
+    static_cast<void>(inputs->facts(i).has_value());
+    static_cast<void>(inputs->crs(i).has_value());
+    const auto size = inputs->head_size(i);
+    const auto head = inputs->head(i);
+    require(!head || !*head || (*head)->head.size() + (*head)->tail.size() <= *size,
+            "a head is larger than it said");
+  }
 }
 
 /// Everything that reads a store: opening, verifying, exporting, going on with it.
@@ -70,6 +96,7 @@ void use(const FormatChoice& choice, bool finished) {
   const auto store = Store::open(kStore);
   require(checked.has_value() <= store.has_value(), "verified what cannot be opened");
   if (!store) return require(store.error().fault == Fault::kBadInput, store.error().message);
+  if (store->complete()) use_inputs(*store);
   const auto exported = export_store(*store, choice.output, {}, budget, monitor);
   require(!exported || exported->points == store->points(), "exported another number of points");
   if (!finished) static_cast<void>(StoreWriter::resume(kStore, store->header()).has_value());
@@ -91,13 +118,14 @@ std::vector<Bytes> seeds() {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace pss;
-  const auto parts = test::unpacked(std::as_bytes(std::span(data, size)), 3);
+  const auto parts = test::unpacked(std::as_bytes(std::span(data, size)), 4);
   const unsigned choice = parts[0].empty() ? 0 : static_cast<unsigned>(parts[0][0]);
   const bool finished = choice < 128;
   test::SimulatedDisk disk;
   test::require(make_directories(test::kStore).has_value(), "no folder");
   disk.put(finished ? manifest_path(test::kStore) : open_manifest_path(test::kStore), parts[1]);
-  disk.put(segment_path(test::kStore, 0), parts[2]);
+  disk.put(inputs_path(test::kStore), parts[2]);
+  disk.put(segment_path(test::kStore, 0), parts[3]);
   const test::AllocationBound bound(test::kLimit + 256 * size);
   test::use(test::kChoices[choice % 3], finished);
   return 0;

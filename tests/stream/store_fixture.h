@@ -91,7 +91,21 @@ inline Result<void> append_tile(StoreWriter& writer, const Schema& schema, const
     PSS_TRY(writer.append(encode_block(schema, std::span(cloud.positions).subspan(i, n),
                                        std::span(cloud.rows).subspan(i * row, n * row))));
   }
-  return writer.commit_tile(Cell{}, writer.next_source(), {std::byte{7}, std::byte{9}}, sync);
+  return writer.commit_tile(Cell{}, writer.next_source(), {3, {std::byte{7}, std::byte{9}}}, sync);
+}
+
+/// Input `number` as a table of inputs has it, whatever the file.
+inline InputFacts facts_of(const InputRecord& record, std::uint64_t number = 0) {
+  return {record, "PLY", Lattice{{0.5, 1, 2}, {3, 4, 5}}, {10 + number, 1, 2, 3}};
+}
+
+/// A table of these inputs, each with a head of its own.
+inline Result<void> write_inputs(const std::string& store, std::span<const InputRecord> inputs,
+                                 const Carry& carry) {
+  PSS_ASSIGN(InputTableWriter table, InputTableWriter::create(store, inputs.size()));
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    PSS_TRY(table.add(facts_of(inputs[i], i), i == 0 ? "EPSG:32633" : "", carry));
+  return table.finish();
 }
 
 /// Everything a store holds, read by blocks.

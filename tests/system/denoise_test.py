@@ -1,5 +1,6 @@
 """pss denoise: the same outliers as by the definition, the same bytes whatever it ran with."""
 
+import json
 import math
 import random
 import signal
@@ -149,7 +150,6 @@ class Field(DenoiseTest):
             self.ok("denoise", store, "-o", self.path("s.las"), *words)
             self.assertEqual(harness.sha256(self.path("s.las")), expected)
 
-
     def test_a_dry_run_makes_nothing_and_tells_what_it_would_take(self):
         store = self.path("scan.pss")
         self.ok("tile", self.scan, "-o", store)
@@ -159,6 +159,21 @@ class Field(DenoiseTest):
             self.assertEqual(sorted(self.folder.rglob("*")), before)
             self.assertIn(known, said)
             self.assertRegex(said, f"points +{len(self.surface + self.far + self.twins):,}")
+
+
+class Stores(DenoiseTest):
+    def test_a_result_knows_the_inputs_of_its_source_and_their_head(self):
+        expected = harness.sha256(self.denoise("out.las"))
+        store, exported = self.path("out.pss"), self.path("exported.las")
+        self.denoise("out.pss")
+
+        facts = json.loads(self.ok("info", store, "--json").out)
+        self.ok("verify", store)
+        self.ok("export", store, "-o", exported)
+
+        self.assertEqual(facts["inputs"], [str(self.scan)])
+        self.assertEqual(facts["source_format"], "LAS")
+        self.assertEqual(harness.sha256(exported), expected)
 
 
 class Odd(SystemTest):

@@ -168,6 +168,13 @@ class Heads(SystemTest):
         self.report("convert", run)
         self.assertLess(run.peak_bytes, LEAST * MIB)
 
+    def test_a_later_file_with_a_larger_head_than_the_first(self):
+        first, second = self.path("a.las"), self.path("b.las")
+        write_las(first, lambda: vlrs(1))
+        write_las(second, lambda: vlrs(50), first=POINTS)
+        _, exported = self.goes_everywhere([first, second])
+        self.assertTrue(holds(exported, 227, vlrs(1)))
+
     def test_info_and_convert_hold_a_head_a_few_times(self):
         scan = self.path("scan.las")
         write_las(scan, lambda: vlrs(60))
@@ -177,6 +184,14 @@ class Heads(SystemTest):
         run = self.ok("convert", scan, "-o", self.path("out.las"))
         self.report("convert", run)
         self.assertLess(run.peak_bytes, (32 + 2 * 62) * MIB)
+
+    def test_info_of_a_store_holds_no_head(self):
+        scan, store = self.path("scan.las"), self.path("scan.pss")
+        write_las(scan, lambda: vlrs(60))
+        self.ok("tile", scan, "-o", store)
+        run = self.ok("info", store)
+        self.report("info", run)
+        self.assertLess(run.peak_bytes, 32 * MIB)
 
     def test_going_on_holds_no_more(self):
         """Stopped while it smooths, a job compares its head with what its stores say."""

@@ -12,19 +12,10 @@ CloudHeader header(const std::string& path, const std::string& crs) {
   return header;
 }
 
-TEST(CommonCrs, IsThatOfTheFirstFileThatHasOne) {
+TEST(CommonCrs, TakesFilesOfTheSameOneAndFilesWithoutAny) {
   CommonCrs common;
   for (const char* crs : {"", "EPSG:2994", "", "EPSG:2994"})
     EXPECT_TRUE(common.add(header("a.las", crs)).has_value()) << crs;
-
-  EXPECT_EQ(common.take_text(), "EPSG:2994");
-}
-
-TEST(CommonCrs, IsEmptyWhereNoFileHasOne) {
-  CommonCrs common;
-  EXPECT_TRUE(common.add(header("a.xyz", "")).has_value());
-
-  EXPECT_EQ(common.take_text(), "");
 }
 
 TEST(CommonCrs, OfFilesThatDifferIsRefusedWithBothNames) {

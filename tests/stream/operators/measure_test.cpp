@@ -108,7 +108,8 @@ TEST_F(Measured, SumsAreThoseOfAllThatWasMeasured) {
   const MeanDistance op(source_, kK, kCap, 0.5, "{}");
   const Store result = run(source_, op, folder_ / "m.pss");
 
-  const auto sums = MeasurementSums::from_bytes(merged_notes(op, result.tiles()));
+  const auto sums = MeasurementSums::from_bytes(
+      expect_value(merged_notes(op, result.tiles(), result.path())).bytes);
 
   MeasurementSums expected;
   const std::vector<Measurement> found = measurements(result);
@@ -143,7 +144,9 @@ TEST_F(Measured, ValuesDependOnNeitherTilesNorPartsNorThreads) {
   const Store found = run(others, op, folder_ / "n.pss", limit_leaving(500 << 10));
 
   EXPECT_EQ(expect_value(read_all(found)).rows, expected);
-  const auto note = [&](const Store& store) { return merged_notes(op, store.tiles()); };
+  const auto note = [&](const Store& store) {
+    return expect_value(merged_notes(op, store.tiles(), store.path()));
+  };
   EXPECT_EQ(note(found), note(expect_value(Store::open(folder_ / "m.pss"))));
 }
 
@@ -176,7 +179,8 @@ class Selected : public Measured {
   Store select() {
     const SelectOperator op = expect_value(SelectOperator::create(joined_, selection_));
     Store result = run(joined_, op, folder_ / "r.pss");
-    counted_ = SelectionCounts::from_bytes(merged_notes(op, result.tiles()));
+    counted_ = expect_value(SelectionCounts::from_note(
+        expect_value(merged_notes(op, result.tiles(), result.path())), result.path()));
     return result;
   }
   bool outlier(std::size_t i) const {

@@ -39,6 +39,22 @@ TEST(ProjectStatistics, CountFlagsOverAllPointsAndShareTheRedoneAmongTheEvaluate
   EXPECT_EQ(a.mean_neighbours(), 10);
 }
 
+TEST(ProjectStatistics, AreReadFromNotesOfTheirVersionAlone) {
+  ProjectStatistics statistics;
+  statistics.add(moved_point());
+  const Note note{ProjectStatistics::kVersion, statistics.to_bytes()};
+  const Note later{ProjectStatistics::kVersion + 1, note.bytes};
+
+  const auto found = ProjectStatistics::from_note(note, "r.pss");
+  const auto refused = ProjectStatistics::from_note(later, "r.pss");
+
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->points(), 1u);
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().fault, Fault::kBadInput);
+  EXPECT_EQ(ProjectStatistics::from_note({}, "r.pss")->points(), 0u);
+}
+
 TEST(ProjectStatistics, OfNothingAreZeroAndNeverNaN) {
   const ProjectStatistics none;
 

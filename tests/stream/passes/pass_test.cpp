@@ -63,6 +63,7 @@ class TestOperator : public Operator {
   const PartNeeds& needs() const override { return needs_; }
   const Neighbourhood& neighbourhood() const override { return neighbourhood_; }
   std::uint64_t scratch_bytes(std::uint64_t) const override { return 0; }
+  std::uint32_t note_version() const override { return 1; }
   void merge_note(std::vector<std::byte>& total, std::span<const std::byte> next) const override {
     total = number(number(total) + number(next));
   }
@@ -218,7 +219,26 @@ TEST_F(Passes, KeepAnyNumberOfRowsOfEachTileInOrder) {
   EXPECT_EQ(found.rows, expected.rows);
   ASSERT_EQ(result.tiles().size(), store_.tiles().size());
   EXPECT_EQ(result.tiles()[1].count, 0u);
-  EXPECT_EQ(number(merged_notes(Repeat(source_), result.tiles())), kCount);
+  EXPECT_EQ(
+      number(expect_value(merged_notes(Repeat(source_), result.tiles(), result.path())).bytes),
+      kCount);
+}
+
+/// Reads notes of a version that Repeat does not write.
+class Later : public Repeat {
+ public:
+  using Repeat::Repeat;
+  std::uint32_t note_version() const override { return Repeat::note_version() + 1; }
+};
+
+TEST_F(Passes, MergeNotesOfTheirOwnVersionAlone) {
+  const Store result = run(source_, Repeat(source_), folder_ / "r.pss");
+
+  const auto refused = merged_notes(Later(source_), result.tiles(), result.path());
+
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().fault, Fault::kBadInput);
+  EXPECT_NE(refused.error().message.find(result.path()), std::string::npos);
 }
 
 TEST_F(Passes, CutRowsIntoTheSameBlocksWhateverPartsTheMemoryAllows) {

@@ -218,6 +218,22 @@ TEST_F(FarPoints, AScaleByHandThatCannotHoldThePointsIsRefusedByThePlan) {
   }
 }
 
+TEST_F(FarPoints, OfAStoreAreNamedByTheirRowWhicheverTileTheyAreIn) {
+  write_text(folder_ / "a.xyz", unit_grid(60) + point(0, 0, 1e8));
+  ingest_files(folder_, "s", {folder_ / "a.xyz"}, test::small_tiles(500), kRoomy);
+  const Store store = expect_value(Store::open(folder_ / "s.pss"));
+  ASSERT_GT(store.tiles().size(), 4u);
+  Monitor monitor;
+
+  const auto refused = check_export(store, 0, kLasFormat, {}, monitor);
+
+  // The highest by far is the last in key order.
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_NE(refused.error().message.find(fmt::format("record {}:", store.points() - 1)),
+            std::string::npos)
+      << refused.error().message;
+}
+
 TEST_F(FarPoints, AStoreIsCheckedBeforeItIsExported) {
   write_text(folder_ / "a.xyz", unit_grid(60) + point(0, 0, 1e8));
   ingest_files(folder_, "s", {folder_ / "a.xyz"}, {}, kRoomy);

@@ -151,7 +151,7 @@ TEST(Log, FindsEveryFlippedBitOfAFinishedLog) {
 TEST(RunLog, RefusesARunThatNoFileCanHold) {
   test::TemporaryDirectory folder;
   const RunInfo impossible{.id = 0, .points = 1, .blocks = std::uint64_t{1} << 61, .data_size = 0};
-  expect_ok(expect_value(RunLog::open(folder / "runs", {})).add(impossible, {}, {}));
+  expect_ok(expect_value(RunLog::open(folder / "runs", {})).add(impossible, {}, {}, {}));
 
   const auto again = RunLog::open(folder / "runs", {});
 

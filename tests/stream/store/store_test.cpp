@@ -13,20 +13,27 @@ namespace {
 using test::expect_ok;
 using test::expect_value;
 
+const std::vector<InputRecord> kInputs = {{"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}};
+
+Carry rich_carry() { return {"PLY", std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}}; }
+
 StoreHeader rich_header() {
   StoreHeader header;
   header.lattice = {{0.01, 0.01, 0.001}, {500000, 4100000, -3.25}};
   header.schema = test::rich_schema();
   header.grid = header.lattice;
-  header.carry = {"PLY", std::vector<std::byte>(300, std::byte{4}), {std::byte{1}}};
-  header.source_format = "PLY";
-  header.crs = "EPSG:32633";
-  header.inputs = {{"a b.las", 1000, -7, 99}, {"../ü.ply", 0, 1, 2}};
+  header.inputs = digest_of(kInputs);
   header.parameters = R"({"radius":1.5})";
   return header;
 }
 
 constexpr std::size_t kRows = 10000;
+
+/// Writes the table of inputs, and ends the store.
+Result<void> finish(StoreWriter& writer, const std::string& summary, const Note& note = {}) {
+  PSS_TRY(test::write_inputs(writer.path(), kInputs, rich_carry()));
+  return writer.finish(summary, note);
+}
 
 /// A store of three tiles, the second of two blocks; finished or not.
 test::Cloud make_store(const std::string& path, bool finished,
@@ -37,7 +44,7 @@ test::Cloud make_store(const std::string& path, bool finished,
   expect_ok(test::append_tile(writer, header.schema, cloud, 0, 1000));
   expect_ok(test::append_tile(writer, header.schema, cloud, 1000, 9000));
   expect_ok(test::append_tile(writer, header.schema, cloud, 9000, kRows));
-  if (finished) expect_ok(writer.finish(R"({"kept":10000})"));
+  if (finished) expect_ok(finish(writer, R"({"kept":10000})"));
   return cloud;
 }
 
@@ -59,7 +66,7 @@ TEST(Store, GivesBackHeaderTilesAndRows) {
   ASSERT_EQ(store.tiles().size(), 3u);
   EXPECT_EQ(store.tiles()[1].first_row, 1000u);
   EXPECT_EQ(store.tiles()[1].blocks, 2u);
-  EXPECT_EQ(store.tiles()[1].note, (std::vector<std::byte>{std::byte{7}, std::byte{9}}));
+  EXPECT_EQ(store.tiles()[1].note, (Note{3, {std::byte{7}, std::byte{9}}}));
   EXPECT_EQ(store.tiles()[2].box, box_of(std::span(cloud.positions).subspan(9000)));
   expect_equal(expect_value(test::read_all(store)), cloud);
 }
@@ -96,7 +103,7 @@ TEST(Store, SpreadsTilesOverSegments) {
 TEST(Store, HoldsNoPointsAtAllWhenNoneCame) {
   test::TemporaryDirectory folder;
   StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", rich_header()));
-  expect_ok(writer.finish("{}"));
+  expect_ok(finish(writer, "{}"));
 
   const Store store = expect_value(Store::open(folder / "s.pss"));
 
@@ -113,12 +120,12 @@ TEST(Store, HoldsEmptyTilesBetweenOthersAndTheNumbersOfTheirSources) {
     StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", header, 1000));
     expect_ok(writer.commit_tile(cell, 0));
     expect_ok(test::append_tile(writer, header.schema, cloud, 0, 300));  // of source tile 1
-    expect_ok(writer.commit_tile(cell, 4, {std::byte{3}}));
+    expect_ok(writer.commit_tile(cell, 4, {1, {std::byte{3}}}));
     expect_ok(writer.commit_tile(cell, 6));
     expect_ok(test::append_tile(writer, header.schema, cloud, 300, 600));  // of source tile 7
     expect_ok(writer.commit_tile(cell, 8));
     EXPECT_EQ(writer.next_source(), 9u);
-    expect_ok(writer.finish("{}"));
+    expect_ok(finish(writer, "{}"));
   }
 
   const Store store = expect_value(Store::open(folder / "s.pss"));
@@ -132,7 +139,7 @@ TEST(Store, HoldsEmptyTilesBetweenOthersAndTheNumbersOfTheirSources) {
     EXPECT_EQ(store.tiles()[t].box.empty(), kCounts[t] == 0);
     EXPECT_EQ(expect_value(store.read_index(t)).empty(), kCounts[t] == 0);
   }
-  EXPECT_EQ(store.tiles()[2].note, std::vector<std::byte>{std::byte{3}});
+  EXPECT_EQ(store.tiles()[2].note, (Note{1, {std::byte{3}}}));
   EXPECT_EQ(store.tiles()[4].first_row, 300u);
   expect_equal(expect_value(test::read_all(store)), cloud);
 }
@@ -142,7 +149,7 @@ TEST(Store, OfEmptyTilesAloneHasNoSegment) {
   const std::string path = folder / "s.pss";
   StoreWriter writer = expect_value(StoreWriter::create(path, rich_header()));
   for (std::uint64_t tile = 0; tile < 3; ++tile) expect_ok(writer.commit_tile(Cell{}, tile));
-  expect_ok(writer.finish("{}"));
+  expect_ok(finish(writer, "{}"));
 
   const Store store = expect_value(Store::open(path));
 
@@ -173,7 +180,7 @@ TEST(StoreWriter, GoesOnBehindEmptyTiles) {
   }
 
   StoreWriter writer = expect_value(StoreWriter::resume(path, header));
-  expect_ok(writer.finish("{}"));
+  expect_ok(finish(writer, "{}"));
 
   EXPECT_EQ(test::bytes_of(segment_path(path, 0)).size(), size);
   const Store store = expect_value(Store::open(path));
@@ -224,7 +231,7 @@ TEST(StoreWriter, GoesOnAfterAManifestCutAtAnyByte) {
     if (size % 61 != 0) continue;  // going on from every state takes long, from some it is enough
     for (std::size_t t = writer.tiles().size(); t < 3; ++t)
       expect_ok(test::append_tile(writer, rich_header().schema, cloud, starts[t], starts[t + 1]));
-    expect_ok(writer.finish(R"({"kept":10000})"));
+    expect_ok(finish(writer, R"({"kept":10000})"));
     for (std::uint32_t n = 0; n < 3; ++n)
       ASSERT_EQ(test::bytes_of(segment_path(path, n)),
                 test::bytes_of(segment_path(folder / "whole.pss", n)))
@@ -248,6 +255,76 @@ TEST(StoreWriter, CutsBytesOfATileThatWasNeverCommitted) {
 
   EXPECT_EQ(writer.tiles().size(), 3u);
   EXPECT_EQ(test::bytes_of(segment_path(path, 0)).size(), before);
+}
+
+TEST(StoreWriter, LeavesANoteOfTheWholeStoreAndItsOwnName) {
+  test::TemporaryDirectory folder;
+  const Note note{5, {std::byte{1}, std::byte{2}}};
+  StoreWriter writer = expect_value(StoreWriter::create(folder / "s.pss", rich_header()));
+  expect_ok(finish(writer, "{}", note));
+
+  const Store store = expect_value(Store::open(folder / "s.pss"));
+
+  EXPECT_EQ(store.note(), note);
+  EXPECT_EQ(store.producer(), producer());
+  EXPECT_TRUE(store.producer().starts_with("pss ")) << store.producer();
+}
+
+/// A store as `made_by` would have begun it, without any tile.
+void begin_store(const std::string& path, const StoreHeader& header, std::string_view made_by) {
+  expect_ok(make_directories(path));
+  expect_value(LogWriter::create(open_manifest_path(path),
+                                 static_cast<std::uint32_t>(RecordType::kHeader),
+                                 encode_header(header, made_by)));
+}
+
+TEST(StoreWriter, DoesNotGoOnWithAStoreThatAnotherVersionOfPssBegan) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  begin_store(path, rich_header(), "pss 0.0.9");
+
+  const auto writer = StoreWriter::resume(path, rich_header());
+
+  ASSERT_FALSE(writer.has_value());
+  EXPECT_EQ(writer.error().fault, Fault::kFailed);
+  EXPECT_NE(writer.error().message.find("pss 0.0.9"), std::string::npos) << writer.error().message;
+  EXPECT_NE(writer.error().message.find(producer()), std::string::npos) << writer.error().message;
+  EXPECT_EQ(expect_value(Store::open(path)).producer(), "pss 0.0.9") << "it can be read";
+}
+
+TEST(Store, OfAnotherVersionOfTheFormatIsRefusedWithWhatToDo) {
+  test::TemporaryDirectory folder;
+  const std::string path = folder / "s.pss";
+  std::vector<std::byte> header = encode_header(rich_header());
+  header[0] = std::byte{1};
+  expect_ok(make_directories(path));
+  expect_value(LogWriter::create(open_manifest_path(path),
+                                 static_cast<std::uint32_t>(RecordType::kHeader), header));
+
+  for (const Result<void>& result :
+       {Store::open(path).has_value() ? Result<void>() : Store::open(path).error(),
+        StoreWriter::resume(path, rich_header()).has_value()
+            ? Result<void>()
+            : StoreWriter::resume(path, rich_header()).error()}) {
+    ASSERT_FALSE(result.has_value());
+    EXPECT_EQ(result.error().fault, Fault::kBadInput);
+    for (const char* part : {"version 1 found", "version 2", "pss tile", "--restart"})
+      EXPECT_NE(result.error().message.find(part), std::string::npos) << result.error().message;
+  }
+}
+
+TEST(Note, OfAnotherVersionIsRefusedWithBoth) {
+  const Note note{7, {std::byte{1}}};
+
+  const auto refused = bytes_of(note, 2, "s.pss");
+
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().fault, Fault::kBadInput);
+  for (const char* part : {"s.pss", "version 7 found", "version 2"})
+    EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+  EXPECT_EQ(expect_value(bytes_of(note, 7, "s.pss")).size(), 1u);
+  EXPECT_TRUE(expect_value(bytes_of({}, 7, "s.pss")).empty()) << "nothing was said";
+  EXPECT_FALSE(bytes_of({0, {std::byte{1}}}, 7, "s.pss").has_value());
 }
 
 TEST(StoreWriter, FinishesTheNameOfAStoreKilledBeforeTheRename) {
@@ -288,6 +365,8 @@ TEST(StoreWriter, DoesNotRemoveADirectoryThatIsNoStore) {
 /// Opens the store and reads everything in it.
 Result<test::Cloud> open_and_read(const std::string& path) {
   PSS_ASSIGN(const Store store, Store::open(path));
+  PSS_ASSIGN(const InputTable inputs, store.inputs());
+  PSS_TRY(inputs.check());
   return test::read_all(store);
 }
 
@@ -295,9 +374,9 @@ TEST(Store, FindsAFlippedBitInEveryFileAndNamesIt) {
   test::TemporaryDirectory folder;
   const std::string path = folder / "s.pss";
   make_store(path, true);
-  for (const std::string& name : {manifest_path(path), segment_path(path, 0)}) {
+  for (const std::string& name : {manifest_path(path), inputs_path(path), segment_path(path, 0)}) {
     const std::size_t bits = 8 * test::bytes_of(name).size();
-    const std::size_t step = name == manifest_path(path) ? 7 : 8 * 997 + 3;
+    const std::size_t step = name != segment_path(path, 0) ? 7 : 8 * 997 + 3;
     for (std::size_t bit = 0; bit < bits; bit += step) {
       test::flip_bit(name, bit);
 

@@ -81,6 +81,7 @@ TEST_F(Verify, FindsNothingWrongWithEmptyTiles) {
   test::expect_ok(writer.commit_tile(cell_of(encode_key({-1, -1, -1}), 1), 0));
   test::expect_ok(writer.append(encode_block(test::las_schema(), cloud.positions, cloud.rows)));
   test::expect_ok(writer.commit_tile(cell_of(encode_key({0, 0, 0}), 1), 1));
+  test::expect_ok(copy_inputs(store.path(), writer.path()));
   test::expect_ok(writer.finish("{}"));
 
   const auto found = expect_value(verify(folder_ / "thin.pss"));
@@ -96,6 +97,7 @@ TEST_F(Verify, FindsPointsOutOfOrderAndOutsideTheirCell) {
   auto writer = expect_value(StoreWriter::create(folder_ / "bad.pss", store.header()));
   test::expect_ok(writer.append(encode_block(test::las_schema(), cloud.positions, cloud.rows)));
   test::expect_ok(writer.commit_tile(cell_of(encode_key(cloud.positions[0]), 30), 0));
+  test::expect_ok(copy_inputs(store.path(), writer.path()));
   test::expect_ok(writer.finish("{}"));
 
   const auto found = expect_value(verify(folder_ / "bad.pss"));
