@@ -25,19 +25,26 @@ if(PSS_SANITIZE)
   target_link_options(pss_options INTERFACE -fsanitize=${PSS_SANITIZE})
 endif()
 
-# A library of one folder: pss_add_library(core SOURCES ... HEADERS ... LINKS ...).
-# Its headers are compiled alone by the target all_verify_interface_header_sets.
+# A library of one folder: pss_add_library(core SOURCES ... PUBLIC_HEADERS ... HEADERS ... LINKS ...).
+# All headers are compiled alone by the target all_verify_interface_header_sets; the public ones are
+# installed: those that docs/library.md names, and what these include.
 function(pss_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC_HEADERS;HEADERS;LINKS;PRIVATE_LINKS" ${ARGN})
   add_library(pss_${name} STATIC ${ARG_SOURCES})
   add_library(pss::${name} ALIAS pss_${name})
   set_target_properties(pss_${name} PROPERTIES EXPORT_NAME ${name}
                                                VERIFY_INTERFACE_HEADER_SETS ON)
   target_sources(pss_${name} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
-                                    FILES ${ARG_HEADERS})
+                                    FILES ${ARG_PUBLIC_HEADERS})
   target_include_directories(pss_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/pss>)
   target_compile_features(pss_${name} PUBLIC cxx_std_20)
   target_link_libraries(pss_${name} PUBLIC ${ARG_LINKS}
                                     PRIVATE $<BUILD_INTERFACE:pss_options> ${ARG_PRIVATE_LINKS})
+  # The others belong to no target that is installed.
+  add_library(pss_${name}_inner INTERFACE)
+  set_target_properties(pss_${name}_inner PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
+  target_sources(pss_${name}_inner INTERFACE FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
+                                             FILES ${ARG_HEADERS})
+  target_link_libraries(pss_${name}_inner INTERFACE pss_${name})
 endfunction()
