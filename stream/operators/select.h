@@ -11,7 +11,6 @@
 #include "stream/operators/measure.h"
 #include "stream/operators/selection_counts.h"
 #include "stream/passes/operator.h"
-#include "stream/store/note.h"
 
 namespace pss {
 
