@@ -66,4 +66,14 @@ void exit_when_out_of_memory() {
   std::set_terminate(on_terminate);
 }
 
+#ifndef __SANITIZE_ADDRESS__  // which has initializers of its own there
+namespace {
+
+/// The initializers of shared libraries allocate, too, before main() is called.
+[[gnu::section(".preinit_array"),
+  gnu::used]] void (*const before_libraries)() = exit_when_out_of_memory;
+
+}  // namespace
+#endif
+
 }  // namespace pss
