@@ -21,7 +21,7 @@ Exclusion::Exclusion(const Schema& schema) {
   for (const char* name : {"Classification", "Withheld"}) {
     const std::optional<Dimension> in_row = schema.dimension(name);
     if (!in_row) continue;
-    Test test{field_at(schema, in_row->position), *in_row, *in_row, in_row->name[0] == 'C'};
+    Test test{field_at(schema, in_row->position), *in_row, in_row->name[0] == 'C'};
     test.in_field.position -= schema.position(test.field);
     add(schema, test);
   }
@@ -30,8 +30,7 @@ Exclusion::Exclusion(const Schema& schema) {
 void Exclusion::add(const Schema& schema, const Test& test) {
   if (schema.fields()[test.field].size() != 1) return tests_.push_back(test);
   auto table = std::ranges::find(byte_tests_, test.field, &ByteTest::field);
-  if (table == byte_tests_.end())
-    table = byte_tests_.insert(table, {test.field, schema.position(test.field), {}});
+  if (table == byte_tests_.end()) table = byte_tests_.insert(table, {test.field, {}});
   for (std::size_t value = 0; value < table->excluded.size(); ++value) {
     const auto byte = static_cast<std::byte>(value);
     if (hit(test, read_value(test.in_field, &byte))) table->excluded[value] = 1;
@@ -40,14 +39,6 @@ void Exclusion::add(const Schema& schema, const Test& test) {
 
 bool Exclusion::hit(const Test& test, double value) {
   return test.classification ? value == kLowPoint || value == kHighNoise : value != 0;
-}
-
-bool Exclusion::excludes(const std::byte* row) const {
-  for (const ByteTest& test : byte_tests_)
-    if (test.excluded[static_cast<std::size_t>(row[test.in_row])]) return true;
-  for (const Test& test : tests_)
-    if (hit(test, read_value(test.in_row, row))) return true;
-  return false;
 }
 
 Result<void> Exclusion::mark(const Store& store, const TileInfo& tile, const BlockInfo& block,

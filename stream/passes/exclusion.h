@@ -22,9 +22,6 @@ class Exclusion {
   /// Whether any point of this schema can be excluded.
   bool active() const { return !tests_.empty() || !byte_tests_.empty(); }
 
-  /// Whether the point with this whole row is excluded.
-  bool excludes(const std::byte* row) const;
-
   /// Marks the excluded points of a block, reading only the fields that decide.
   ///
   /// Shape: `excluded` has block.count elements, set to 0 or 1.
@@ -34,14 +31,12 @@ class Exclusion {
  private:
   struct Test {
     std::size_t field;    ///< the field that holds the value
-    Dimension in_row;     ///< where it lies in a whole row
     Dimension in_field;   ///< where it lies in the field alone
     bool classification;  ///< noise classes exclude; otherwise any value but zero
   };
   /// Where the field is a single byte: the answer to each of its values, for all tests of it.
   struct ByteTest {
     std::size_t field;
-    std::size_t in_row;
     std::array<std::uint8_t, 256> excluded;
   };
   static bool hit(const Test& test, double value);
