@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "apps/command.h"
@@ -14,7 +14,6 @@
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/report_file.h"
-#include "apps/standard_streams.h"
 #include "core/parallel.h"
 #include "io/inputs.h"
 
@@ -46,12 +45,6 @@ constexpr const char* kEpilogue =
     "  pss denoise tiles/ -o marked.las --classify --high --knn 12 --multiplier 3\n"
     "  pss denoise scan.ply -o clean.ply --method radius --radius 0.1 --knn 5\n"
     "  pss denoise city.pss -o surfaces.las --method residual --h 0.4 --report report.json";
-
-std::vector<std::string> rule_names() {
-  std::vector<std::string> names;
-  for (const OutlierRule rule : kOutlierRules) names.emplace_back(name_of(rule));
-  return names;
-}
 
 Result<bool> parse_outputs_word(std::string_view text) {
   if (text == "measured") return true;
@@ -104,7 +97,8 @@ class Denoise : public Command {
   Result<void> run() override {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
-    take_words();
+    job_.options.rule = named(kOutlierRules, rule_).value_or(job_.options.rule);
+    grid_.put_into(job_);
     job_.state_folder = state_folder();
     Progress progress(reports_.progress);  // from here on a signal ends it in order
     PSS_ASSIGN(const ReportFile file, ReportFile::claim(reports_.report, "denoise", job_, inputs_));
@@ -121,8 +115,8 @@ class Denoise : public Command {
  private:
   void declare_rule(Arguments& arguments) {
     DenoiseOptions& options = job_.options;
-    arguments.choice("--method", rule_names(), "What tells outliers; see below [statistical]",
-                     rule_);
+    arguments.choice("--method", names_of(kOutlierRules),
+                     "What tells outliers; see below [statistical]", rule_);
     arguments.option("--knn", "K", "Neighbours that count [statistical: 8; radius: 4]",
                      options.neighbours, parse_integer);
     arguments.option("--multiplier", "N", "statistical: standard deviations beyond the mean [2]",
@@ -144,19 +138,9 @@ class Denoise : public Command {
                      options.measured, parse_outputs_word);
   }
 
-  void take_words() {
-    const auto found = std::ranges::find(
-        kOutlierRules, rule_, [](OutlierRule rule) { return std::string(name_of(rule)); });
-    if (found != kOutlierRules.end()) job_.options.rule = *found;
-    job_.scale = grid_.scale.steps;
-    job_.scale_auto = grid_.scale.automatic;
-    job_.offset = grid_.offset;
-  }
-
   Result<void> estimate(const ReportFile& file, MemoryBudget& budget, Progress& progress) {
     PSS_ASSIGN(const JobEstimate estimate, estimate_denoise(job_, budget, progress));
-    if (!file.to_stdout()) PSS_TRY(print_data(estimate_text(estimate)));
-    return file.write(estimate_json("denoise", estimate).dump(2));
+    return tell_estimate(file, estimate_text(estimate), estimate_json("denoise", estimate).dump(2));
   }
 
   std::vector<std::string> inputs_;

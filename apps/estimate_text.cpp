@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/progress_view.h"
+#include "apps/standard_streams.h"
 
 namespace pss {
 
@@ -21,6 +22,12 @@ std::string estimate_text(const JobEstimate& estimate) {
          estimate_line("time", short_time(estimate.seconds)) +
          estimate_line("known from", estimate.from_store ? "the store (whole blocks counted)"
                                                          : "the headers (estimated)");
+}
+
+Result<void> tell_estimate(const ReportFile& report, const std::string& text,
+                           const std::string& json) {
+  if (!report.to_stdout()) PSS_TRY(print_data(text));
+  return report.write(json);
 }
 
 }  // namespace pss

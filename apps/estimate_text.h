@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "apps/report_file.h"
+#include "core/result.h"
 #include "stream/jobs/job_estimate.h"
 
 namespace pss {
@@ -12,5 +14,9 @@ std::string estimate_line(const char* name, const std::string& value);
 
 /// The lines that all kinds of jobs have.
 std::string estimate_text(const JobEstimate& estimate);
+
+/// The answer: `text` on stdout, unless the report goes there, and the report.
+Result<void> tell_estimate(const ReportFile& report, const std::string& text,
+                           const std::string& json);
 
 }  // namespace pss

@@ -213,6 +213,12 @@ void GridOptions::declare(Arguments& arguments) {
                    parse_triple);
 }
 
+void GridOptions::put_into(JobRequest& job) const {
+  job.scale = scale.steps;
+  job.scale_auto = scale.automatic;
+  job.offset = offset;
+}
+
 void declare_work(Arguments& arguments, JobRequest& job) {
   arguments.option("--work-dir", "DIR",
                    "Where the job keeps its work; its record stays there [OUTPUT.work, gone after "

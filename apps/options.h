@@ -1,10 +1,13 @@
 #pragma once
 // What the values of options mean, and the options that several subcommands share.
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "apps/arguments.h"
 #include "core/lattice.h"
@@ -71,7 +74,24 @@ struct GridOptions {
   std::optional<World3> offset;
 
   void declare(Arguments& arguments);
+  /// Gives them to a job.
+  void put_into(JobRequest& job) const;
 };
+
+/// The names of some kinds, as the words of a choice.
+template <class Kinds>
+std::vector<std::string> names_of(const Kinds& kinds) {
+  std::vector<std::string> names;
+  for (const auto kind : kinds) names.emplace_back(name_of(kind));
+  return names;
+}
+
+/// The one of that name; empty where no name was given.
+template <class Kind, std::size_t n>
+std::optional<Kind> named(const std::array<Kind, n>& kinds, const std::string& name) {
+  const auto found = std::ranges::find(kinds, name, [](Kind kind) { return name_of(kind); });
+  return found == kinds.end() ? std::nullopt : std::optional(*found);
+}
 
 /// Where a job keeps its work, and what becomes of what is there already.
 void declare_work(Arguments& arguments, JobRequest& job);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "apps/command.h"
+#include "apps/estimate_text.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/report_file.h"
@@ -49,24 +50,10 @@ constexpr const char* kEpilogue =
 
 constexpr std::array kPrecisions{Precision::kSingle, Precision::kDouble};
 
-template <class Kinds>
-std::vector<std::string> names_of(const Kinds& kinds) {
-  std::vector<std::string> names;
-  for (const auto kind : kinds) names.emplace_back(name_of(kind));
-  return names;
-}
-
 std::vector<std::string> target_names() {
   std::vector<std::string> names;
   for (const simd::Target& target : simd::targets()) names.push_back(target.name);
   return names;
-}
-
-/// The one of that name; empty where no name was given.
-template <class Kind, std::size_t n>
-std::optional<Kind> named(const std::array<Kind, n>& kinds, const std::string& name) {
-  const auto found = std::ranges::find(kinds, name, [](Kind kind) { return name_of(kind); });
-  return found == kinds.end() ? std::nullopt : std::optional(*found);
 }
 
 class Smooth : public Command {
@@ -88,7 +75,7 @@ class Smooth : public Command {
     PSS_ASSIGN(const std::uint64_t limit, limits_.limit());
     PSS_ASSIGN(job_.inputs, expand_inputs(inputs_, job_.output));
     PSS_TRY(take_method());
-    take_grid();
+    grid_.put_into(job_);
     job_.state_folder = state_folder();
     Progress progress(reports_.progress);  // from here on a signal ends it in order
     PSS_ASSIGN(const ReportFile report,
@@ -185,16 +172,9 @@ class Smooth : public Command {
                              name_of(options.op))};
   }
 
-  void take_grid() {
-    job_.scale = grid_.scale.steps;
-    job_.scale_auto = grid_.scale.automatic;
-    job_.offset = grid_.offset;
-  }
-
   Result<void> estimate(const ReportFile& report, MemoryBudget& budget, Progress& progress) {
     PSS_ASSIGN(const SmoothEstimate estimate, estimate_smooth(job_, budget, progress));
-    if (!report.to_stdout()) PSS_TRY(print_data(estimate_text(estimate)));
-    return report.write(to_json(estimate));
+    return tell_estimate(report, estimate_text(estimate), to_json(estimate));
   }
 
   std::vector<std::string> inputs_;
