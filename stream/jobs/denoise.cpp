@@ -11,6 +11,7 @@
 #include "core/support.h"
 #include "stream/jobs/calibration.h"
 #include "stream/jobs/job_kind.h"
+#include "stream/jobs/parameters_json.h"
 #include "stream/jobs/run_job.h"
 #include "stream/operators/measure.h"
 #include "stream/operators/select.h"
@@ -42,11 +43,6 @@ constexpr double kUsualNeighbours = 113;  ///< at h = 2 spacings
 const char* attribute_of(OutlierRule rule) {
   constexpr std::array kNames{"MeanDistance", "NeighborCount", "FitResidual"};
   return kNames[static_cast<std::size_t>(rule)];
-}
-
-template <class T>
-json optional_json(const std::optional<T>& value) {
-  return value ? json(*value) : json();
 }
 
 Result<void> check_meaning(OutlierRule rule, bool given, const char* flag, bool has_meaning) {
@@ -131,18 +127,18 @@ class DenoiseKind : public JobKind {
 json DenoiseKind::parameters() const {
   const bool statistical = options_.rule == OutlierRule::kStatistical;
   const bool residual = options_.rule == OutlierRule::kResidual;
-  return {{"method", name_of(options_.rule)},
-          {"knn", residual ? json() : json(neighbours())},
-          {"multiplier", statistical ? json(multiplier()) : json()},
-          {"radius", optional_json(options_.radius)},
-          {"h", optional_json(options_.h)},
-          {"polynomial-order", residual ? json(method().degree) : json()},
-          {"surface-gate", residual ? json(gate()) : json()},
-          {"classify", options_.classify},
-          {"high", options_.high},
-          {"outputs", options_.measured ? json{"measured"} : json::array()},
-          {"scale", job_.scale_auto ? json("auto") : optional_json(job_.scale)},
-          {"offset", optional_json(job_.offset)}};
+  json parameters = {{"method", name_of(options_.rule)},
+                     {"knn", residual ? json() : json(neighbours())},
+                     {"multiplier", statistical ? json(multiplier()) : json()},
+                     {"radius", optional_json(options_.radius)},
+                     {"h", optional_json(options_.h)},
+                     {"polynomial-order", residual ? json(method().degree) : json()},
+                     {"surface-gate", residual ? json(gate()) : json()},
+                     {"classify", options_.classify},
+                     {"high", options_.high},
+                     {"outputs", options_.measured ? json{"measured"} : json::array()}};
+  add_grid_json(job_, parameters);
+  return parameters;
 }
 
 Result<void> DenoiseKind::check() const {

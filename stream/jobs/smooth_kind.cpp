@@ -10,6 +10,7 @@
 
 #include "stream/jobs/attributes.h"
 #include "stream/jobs/calibration.h"
+#include "stream/jobs/parameters_json.h"
 #include "stream/jobs/smooth_method.h"
 #include "stream/widths/width_trials.h"
 #include "stream/widths/widths_json.h"
@@ -23,11 +24,6 @@ using nlohmann::ordered_json;
 constexpr const char* kNormalsPass = "normals";
 constexpr const char* kProjection = "smooth";
 constexpr double kUsualNeighbours = 113;  ///< at h = 2 spacings
-
-template <class T>
-json optional_json(const std::optional<T>& value) {
-  return value ? json(*value) : json();
-}
 
 /// The reach where it is known before any point is read.
 std::optional<double> known_reach(const SmoothOptions& options, const Method& method) {
@@ -70,19 +66,19 @@ SmoothKind::SmoothKind(const SmoothJob& job) : job_(job) {
 json SmoothKind::parameters() const {
   const SmoothOptions& options = job_.options;
   const Method& method = choices_.method;
-  return {{"operator", name_of(method.op)},
-          {"weight", name_of(method.weight)},
-          {"precision", name_of(method.precision)},
-          {"radius", optional_json(options.widths.radius)},
-          {"h", optional_json(options.widths.h)},
-          {"knn", optional_json(options.widths.knn)},
-          {"polynomial-order", needs_normals(method.op) ? json() : json(method.degree)},
-          {"outputs", output_names(options.outputs)},
-          {"replace-attributes", options.replace_attributes},
-          {"buffer", optional_json(options.buffer)},
-          {"allow-inexact", options.allow_inexact},
-          {"scale", job_.scale_auto ? json("auto") : optional_json(job_.scale)},
-          {"offset", optional_json(job_.offset)}};
+  json parameters = {{"operator", name_of(method.op)},
+                     {"weight", name_of(method.weight)},
+                     {"precision", name_of(method.precision)},
+                     {"radius", optional_json(options.widths.radius)},
+                     {"h", optional_json(options.widths.h)},
+                     {"knn", optional_json(options.widths.knn)},
+                     {"polynomial-order", needs_normals(method.op) ? json() : json(method.degree)},
+                     {"outputs", output_names(options.outputs)},
+                     {"replace-attributes", options.replace_attributes},
+                     {"buffer", optional_json(options.buffer)},
+                     {"allow-inexact", options.allow_inexact}};
+  add_grid_json(job_, parameters);
+  return parameters;
 }
 
 PassNames SmoothKind::passes() const {
