@@ -8,15 +8,13 @@
 #include <vector>
 
 #include "stream/operators/project.h"
-#include "stream/passes/scheduler.h"
-#include "tests/stream/store_fixture.h"
+#include "tests/stream/pass_fixture.h"
 #include "tests/support/cloud.h"
 #include "tests/support/test_data.h"
 
 namespace pss::test {
 
 inline constexpr std::size_t kPoints = 7000;
-inline constexpr std::uint64_t kMiB = 1u << 20;
 inline const Lattice kLattice{{0.001, 0.001, 0.001}, {500000, 4649776, 100}};
 
 inline Schema class_schema() { return Schema({{"Classification", Type::kUint8, 1, 1, 0, {}}}); }
@@ -51,11 +49,6 @@ inline Store store_of(const Cloud& cloud, const std::string& path, std::vector<s
   return expect_value(Store::open(path));
 }
 
-/// The limit that leaves `bytes` for parts.
-inline std::uint64_t limit_leaving(std::uint64_t bytes) {
-  return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
-}
-
 inline ProjectParameters fixed_support() {
   ProjectParameters parameters;
   parameters.support = {1.4, 4.2};
@@ -74,14 +67,8 @@ inline ProjectParameters nearest_support() {
 
 inline Cloud project(const Source& source, const ProjectParameters& parameters,
                      const std::string& path, std::uint64_t limit = 512 * kMiB) {
-  MemoryBudget budget(limit, 1);
-  Monitor monitor;
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
-  StoreWriter writer = expect_value(StoreWriter::create(path, op.result_header()));
-  const auto summary = expect_value(run_operator(source, op, writer, budget, monitor));
-  EXPECT_EQ(summary.own_points, source.points());
-  expect_ok(writer.finish("{}"));
-  return expect_value(read_all(expect_value(Store::open(path))));
+  return expect_value(read_all(run(source, op, path, limit)));
 }
 
 inline void expect_equal(const Cloud& found, const Cloud& expected) {

@@ -9,8 +9,7 @@
 
 #include "core/mls_surface.h"
 #include "stream/operators/project.h"
-#include "stream/passes/scheduler.h"
-#include "tests/stream/store_fixture.h"
+#include "tests/stream/pass_fixture.h"
 #include "tests/support/cloud.h"
 #include "tests/support/methods.h"
 #include "tests/support/test_data.h"
@@ -52,13 +51,8 @@ Store store_of(const Cloud& cloud, const std::string& path) {
 
 Store projected(const Source& source, const ProjectParameters& parameters,
                 const std::string& path) {
-  MemoryBudget budget(std::uint64_t{512} << 20, 1);
-  Monitor monitor;
   const ProjectOperator op = expect_value(ProjectOperator::create(source, parameters));
-  StoreWriter result = expect_value(StoreWriter::create(path, op.result_header()));
-  expect_value(run_operator(source, op, result, budget, monitor));
-  expect_ok(result.finish("{}"));
-  return expect_value(Store::open(path));
+  return test::run(source, op, path);
 }
 
 /// Where the engine puts the points, in key order.

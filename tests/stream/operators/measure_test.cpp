@@ -42,16 +42,6 @@ Cloud wave_with_outliers() {
   return cloud;
 }
 
-Store run(const Source& source, const Operator& op, const std::string& path,
-          std::uint64_t limit = 512 * kMiB) {
-  MemoryBudget budget(limit, 1);
-  Monitor monitor;
-  StoreWriter writer = expect_value(StoreWriter::create(path, op.result_header()));
-  expect_value(run_operator(source, op, writer, budget, monitor));
-  expect_ok(writer.finish("{}"));
-  return expect_value(Store::open(path));
-}
-
 std::vector<Measurement> measurements(const Store& store) {
   const Cloud cloud = expect_value(read_all(store));
   std::vector<Measurement> found(store.points());

@@ -6,14 +6,12 @@
 #include <cstring>
 #include <utility>
 
-#include "stream/passes/scheduler.h"
-#include "tests/stream/store_fixture.h"
+#include "tests/stream/pass_fixture.h"
 #include "tests/support/test_data.h"
 
 namespace pss::test {
 namespace {
 
-constexpr std::uint64_t kMiB = 1u << 20;
 constexpr std::size_t kCount = 30000;
 constexpr double kRadius = 40;
 const Lattice kUnit{{1, 1, 1}, {0, 0, 0}};
@@ -150,21 +148,6 @@ class Same : public TestOperator {
     return rows;
   }
 };
-
-Store run(const PassSources& sources, const Operator& op, const std::string& path,
-          std::uint64_t limit = 512 * kMiB) {
-  MemoryBudget budget(limit, 1);
-  Monitor monitor;
-  StoreWriter writer = expect_value(StoreWriter::create(path, op.result_header()));
-  expect_value(run_operator(sources, op, writer, budget, monitor));
-  expect_ok(writer.finish("{}"));
-  return expect_value(Store::open(path));
-}
-
-/// The limit that leaves `bytes` for parts.
-std::uint64_t limit_leaving(std::uint64_t bytes) {
-  return bytes + 512 * kMiB - MemoryBudget(512 * kMiB, 1).total();
-}
 
 std::vector<std::uint32_t> block_counts(const Store& store) {
   std::vector<std::uint32_t> counts;

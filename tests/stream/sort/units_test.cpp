@@ -180,6 +180,7 @@ TEST_F(Units, AreDecodedOnceEachInMemoryAndInManyRuns) {
 }
 
 TEST_F(Units, AreDecodedByAllThreads) {
+  // On one processor oneTBB runs one thread, whatever the limit.
   if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "needs two processors";
   ThreadLimit threads(2);
   const IngestPlan plan = expect_value(this->plan(4 * kUnit));
